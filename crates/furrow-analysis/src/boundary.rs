@@ -126,19 +126,17 @@ pub fn boundary(
         }
     }
     let azimuthal = options.azimuthal.map(|most| thresholds(cell, numerics, parameter, range, most, &mut warnings));
-    let (cell, cusps) = (cell.clone(), cusps(&folds));
-    let (bent, bent_critical) = (None, None);
     Ok(BoundaryStudy {
-        cell,
+        cell: cell.clone(),
         parameter,
         range,
         pitchfork,
+        cusps: cusps(&folds),
         folds,
-        cusps,
         critical,
         azimuthal,
-        bent,
-        bent_critical,
+        bent: None,
+        bent_critical: None,
         warnings,
     })
 }

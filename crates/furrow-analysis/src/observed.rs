@@ -57,14 +57,8 @@ impl Observed {
             let given = !volumes.is_empty() || frame_minutes.is_some() || voxel.is_some();
             let allowed = "without volumes, minutes per frame and voxels: it has minutes and no sizes";
             InputError::require(!given, SULSTON1983, "options", "(given)", allowed)?;
-            let lineage = ObservedLineage::sulston(names)?;
-            return Ok(Observed {
-                lineage,
-                matched: None,
-                skipped: Vec::new(),
-                skipped_count: 0,
-                warnings: Vec::new(),
-            });
+            let (lineage, skipped, warnings) = (ObservedLineage::sulston(names)?, Vec::new(), Vec::new());
+            return Ok(Observed { lineage, matched: None, skipped, skipped_count: 0, warnings });
         }
         let of_tracks = TrackOptions { pixel: *voxel, frame_minutes: *frame_minutes, ..TrackOptions::default() };
         if let Some(mut embryo) = read_tracked(path, &of_tracks)? {
@@ -99,7 +93,7 @@ impl Observed {
 }
 
 /// A cell of an observed embryo.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObservedCell {
     /// Its name.
     pub name: String,
@@ -177,8 +171,7 @@ impl ObservedLineage {
                 above.daughters[at] = Some(place);
             }
             places.insert(name.clone(), place);
-            let (tracked, daughters, division, last, volume) = (None, [None; 2], None, None, None);
-            cells.push(ObservedCell { name, tracked, mother, daughters, generation, birth, division, last, volume });
+            cells.push(ObservedCell { name, mother, generation, birth, ..ObservedCell::default() });
         }
         let names_of: Vec<String> = cells.iter().map(|cell| cell.name.clone()).collect();
         for cell in &mut cells {
@@ -224,14 +217,12 @@ impl ObservedLineage {
             let birth = life.and_then(|life| life.birth).or(from_mother);
             cells.push(ObservedCell {
                 name: (*cell).to_owned(),
-                tracked: None,
                 mother,
-                daughters: [None; 2],
                 generation: mother.map_or(0, |mother: usize| cells[mother].generation + 1),
                 birth,
                 division: birth.zip(life).map(|(birth, life)| birth + life.mean),
-                last: None,
                 volume: volumes.get(*cell).copied(),
+                ..ObservedCell::default()
             });
         }
         ObservedLineage { name: name.to_owned(), cells, time: TimeUnit::Minutes, volumes: unit }

@@ -5,6 +5,7 @@ use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, criti
 use furrow_lineage::{
     EndRule, GrowError, Grower, Lineage, ObservedRounds, Rounds, Thresholds, Tree, TreeSettings, founder_rounds,
 };
+use furrow_measured::statistics::{mean, ranks};
 use ordered_float::OrderedFloat;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -329,24 +330,8 @@ fn strongest(sets: &[Constants], numbers: &[f64]) -> Option<Dependence> {
     all.max_by(|a, b| a.rank_correlation.abs().total_cmp(&b.rank_correlation.abs()))
 }
 
-/// Ranks from 1. Equal numbers share their average rank.
-fn ranks(numbers: &[f64]) -> Vec<f64> {
-    let mut order: Vec<usize> = (0..numbers.len()).collect();
-    order.sort_by_cached_key(|k| OrderedFloat(numbers[*k]));
-    let mut out = vec![0.0; numbers.len()];
-    let mut from = 0;
-    while from < order.len() {
-        let same = order[from..].iter().take_while(|&&k| numbers[k] == numbers[order[from]]).count();
-        let rank = from as f64 + 0.5 * (same as f64 + 1.0);
-        order[from..from + same].iter().for_each(|&k| out[k] = rank);
-        from += same;
-    }
-    out
-}
-
 /// Pearson's correlation; `None` where one of the two does not vary.
 pub(crate) fn correlation(a: &[f64], b: &[f64]) -> Option<f64> {
-    let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
     let (ma, mb) = (mean(a), mean(b));
     let sum = |of: &dyn Fn(f64, f64) -> f64| a.iter().zip(b).map(|(x, y)| of(x - ma, y - mb)).sum::<f64>();
     let (ab, aa, bb) = (sum(&|x, y| x * y), sum(&|x, _| x * x), sum(&|_, y| y * y));

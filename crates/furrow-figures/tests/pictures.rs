@@ -190,21 +190,26 @@ fn notched(depth: f64) -> SurfaceGrid {
     grid
 }
 
+/// A scene of a surface alone.
+fn scene(shell: Wall, surface: &(dyn Fn(f64) -> SurfaceGrid + Sync)) -> Scene<'_> {
+    Scene {
+        title: "one side".to_owned(),
+        shell,
+        times: vec![0.0, 1.0],
+        surface,
+        forces: &|_| Vec::new(),
+        legend: Vec::new(),
+        outcome: (2.0, String::new(), [0; 3]),
+    }
+}
+
 /// A surface without an axis: its furrow is open above, where it is, and the cell is whole below. `FURROW_SCREENSHOTS`
 /// keeps the picture.
 #[test]
 fn a_movie_shows_a_furrow_on_one_side() {
     let width = |depth: f64| {
         let surface = |_: f64| notched(depth);
-        let scene = Scene {
-            title: "one side".to_owned(),
-            shell: Wall { axes: [2.75, 2.75, 3.3], profile: None },
-            times: vec![0.0, 1.0],
-            surface: &surface,
-            forces: &|_| Vec::new(),
-            legend: Vec::new(),
-            outcome: (2.0, String::new(), [0; 3]),
-        };
+        let scene = scene(Wall { axes: [2.75, 2.75, 3.3], profile: None }, &surface);
         let png = scene.png(1.0, 1.0).unwrap();
         assert_eq!(png, scene.png(1.0, 1.0).unwrap());
         if let Ok(folder) = std::env::var("FURROW_SCREENSHOTS") {
@@ -229,16 +234,7 @@ fn glass(shell: Wall, size: f64) -> (Vec<[f64; 3]>, usize) {
         grid.points.iter_mut().flatten().for_each(|x| *x *= size);
         grid
     };
-    let scene = Scene {
-        title: String::new(),
-        shell,
-        times: vec![0.0, 1.0],
-        surface: &surface,
-        forces: &|_| Vec::new(),
-        legend: Vec::new(),
-        outcome: (2.0, String::new(), [0; 3]),
-    };
-    decoded(&scene.png(0.0, 1.0).unwrap())
+    decoded(&scene(shell, &surface).png(0.0, 1.0).unwrap())
 }
 
 /// Heights of the glass, one third of its width from either end.
@@ -295,13 +291,9 @@ fn title_is_whole(canvas: &Canvas, cue: &str) {
         .filter_map(|text| Some(plain(text.split("</text>").next()?.split_once('>')?.1)))
         .collect();
     assert!(titles.len() > 1 && titles.concat().replace(' ', "").contains(cue), "{titles:?}");
-    let bytes = canvas.bytes(Format::Png).unwrap();
-    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
-    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-    let size = reader.next_frame(&mut pixels).unwrap();
-    let (row, lines) = (3 * size.width as usize, 2 * 18 + 2 * 24 * titles.len());
-    let margin = pixels.chunks_exact(row).take(lines).flat_map(|row| &row[row.len() - 3 * 24..]);
-    assert!(margin.copied().all(|light| light == 255));
+    let (pixels, width) = decoded(&canvas.bytes(Format::Png).unwrap());
+    let margin = pixels.chunks_exact(width).take(2 * 18 + 2 * 24 * titles.len()).flat_map(|row| &row[width - 24..]);
+    assert!(margin.copied().all(|colour| colour == [255.0; 3]));
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::statistics::{grouped, mean, sd};
 use crate::volumes::Volumes;
 
 /// A division.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Division {
     /// The embryo.
     pub embryo: String,
@@ -103,17 +103,8 @@ pub fn divisions(volumes: &Volumes) -> Divisions {
                 Some(second) if is_first => {
                     let (daughters, volumes) = ([name.to_owned(), other], [volume, *second]);
                     let chi_signed = (volume - second) / (volume + second);
-                    let (mother_measured, chi_sd) = (None, None);
-                    found.divisions.push(Division {
-                        embryo,
-                        group,
-                        mother,
-                        daughters,
-                        volumes,
-                        chi_signed,
-                        mother_measured,
-                        chi_sd,
-                    });
+                    let division = Division { embryo, group, mother, daughters, volumes, ..Division::default() };
+                    found.divisions.push(Division { chi_signed, ..division });
                 }
                 Some(_) => {}
             }
@@ -165,10 +156,8 @@ pub fn summaries(divisions: &[Division]) -> Vec<GroupSummary> {
 
 fn summary(group: &str, divisions: &[&Division]) -> GroupSummary {
     let embryos: BTreeSet<&str> = divisions.iter().map(|division| division.embryo.as_str()).collect();
-    let mut by_mother: BTreeMap<(u32, &str), Vec<&Division>> = BTreeMap::new();
-    for division in divisions {
-        by_mother.entry(place(&division.mother)).or_default().push(division);
-    }
+    let mut by_mother = grouped(divisions.iter().map(|division| (place(&division.mother), *division)));
+    by_mother.sort_by_key(|(place, _)| *place);
     let of = |((_, mother), of): ((u32, &str), Vec<&Division>)| {
         let each = |get: fn(&Division) -> f64| of.iter().map(|division| get(division)).collect::<Vec<f64>>();
         let (chi, signed) = (each(Division::chi), each(|division| division.chi_signed));

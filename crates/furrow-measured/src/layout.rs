@@ -101,30 +101,16 @@ impl Columns {
 }
 
 /// Names of the column of embryos; one that comes first here counts where a table has several.
-const EMBRYO: [&str; 18] = [
-    "embryo",
-    "embryos",
-    "emb",
-    "embryo_name",
-    "embryo_id",
-    "embryo_no",
-    "embryo_nr",
-    "embryo_number",
-    "sample",
-    "sample_name",
-    "sample_id",
-    "animal",
-    "animal_id",
-    "individual",
-    "specimen",
-    "egg",
-    "worm",
-    "replicate",
+const EMBRYO: [&[&str]; 4] = [
+    &["embryo", "embryos", "emb", "embryo_name", "embryo_id", "embryo_no", "embryo_nr", "embryo_number"],
+    &["sample", "sample_name", "sample_id"],
+    &["animal", "animal_id", "individual", "specimen"],
+    &["egg", "worm", "replicate"],
 ];
 
 /// The column of embryos.
 pub(crate) fn embryo_column(header: &Header<'_>) -> Option<usize> {
-    EMBRYO.iter().find_map(|name| header.find(&[name]))
+    EMBRYO.concat().into_iter().find_map(|name| header.find(&[name]))
 }
 
 /// The column of populations: groups of cells of the same embryos.
@@ -225,63 +211,15 @@ impl GridColumns {
     }
 }
 
-/// What summaries of other rows are called, without blanks and signs.
-const SUMMARIES: [&str; 55] = [
-    "mean",
-    "means",
-    "meansd",
-    "meansem",
-    "average",
-    "avg",
-    "mittelwert",
-    "median",
-    "mode",
-    "sd",
-    "std",
-    "stdev",
-    "stddev",
-    "standarddeviation",
-    "stddeviation",
-    "stabw",
-    "standardabweichung",
-    "se",
-    "sem",
-    "stderr",
-    "standarderror",
-    "stderrorofmean",
-    "stderrormean",
-    "variance",
-    "var",
-    "samplevariance",
-    "cv",
-    "n",
-    "count",
-    "numberofvalues",
-    "nobs",
-    "sum",
-    "total",
-    "min",
-    "minimum",
-    "max",
-    "maximum",
-    "range",
-    "quartile",
-    "iqr",
-    "kurtosis",
-    "skewness",
-    "confidencelevel",
-    "pvalue",
-    "ttest",
-    "coefficientofvariation",
-    "1stqu",
-    "3rdqu",
-    "1stquartile",
-    "3rdquartile",
-    "lower95ciofmean",
-    "upper95ciofmean",
-    "lower95ci",
-    "upper95ci",
-    "95ci",
+/// What summaries of other rows are called, without blanks and signs: means, deviations and errors, numbers, ends, and the rest.
+const SUMMARIES: [&[&str]; 7] = [
+    &["mean", "means", "meansd", "meansem", "average", "avg", "mittelwert", "median", "mode"],
+    &["sd", "std", "stdev", "stddev", "standarddeviation", "stddeviation", "stabw", "standardabweichung"],
+    &["se", "sem", "stderr", "standarderror", "stderrorofmean", "stderrormean"],
+    &["variance", "var", "samplevariance", "cv", "coefficientofvariation", "kurtosis", "skewness"],
+    &["n", "count", "numberofvalues", "nobs", "sum", "total"],
+    &["min", "minimum", "max", "maximum", "range", "quartile", "iqr", "1stqu", "3rdqu", "1stquartile", "3rdquartile"],
+    &["lower95ciofmean", "upper95ciofmean", "lower95ci", "upper95ci", "95ci", "confidencelevel", "pvalue", "ttest"],
 ];
 
 /// Whether a text calls a row a summary of others, such as Mean, S.E.M., SD (n - 1) or 25 % percentile.
@@ -299,7 +237,7 @@ pub(crate) fn is_summary(text: &[u8]) -> bool {
     let word = str::from_utf8(&word[..length]).unwrap_or_default();
     let percent = word.trim_start_matches(|c: char| c.is_ascii_digit());
     let of_percent = percent.len() < word.len() && matches!(percent, "" | "percentile" | "quantile");
-    SUMMARIES.contains(&word) || of_percent && text.contains(&b'%')
+    SUMMARIES.iter().any(|names| names.contains(&word)) || of_percent && text.contains(&b'%')
 }
 
 /// How programs write missing values, beside an empty field.
@@ -381,22 +319,16 @@ impl DivisionColumns {
         if !stated.is_empty() && !units.map(|unit| unit.unwrap_or(VOLUMES[0])).all(|unit| unit == stated[0]) {
             return Err(header.refused("mother, larger and smaller have different units"));
         }
-        let unit = stated.first().copied();
-        let mother_volume = mother_volume.map(|(at, _)| at);
-        let population = header.find(&[POPULATION]).map_or_else(|| GroupColumn::of(header), GroupColumn::at);
-        let (daughters, generation) = ([larger, smaller], header.find(&["generation"]));
-        let unit_column = header.find(&UNIT);
         Ok(Some(DivisionColumns {
             embryo,
             mother,
-            daughters,
-            mother_volume,
-            population,
-
-            generation,
+            daughters: [larger, smaller],
+            mother_volume: mother_volume.map(|(at, _)| at),
+            population: header.find(&[POPULATION]).map_or_else(|| GroupColumn::of(header), GroupColumn::at),
+            generation: header.find(&["generation"]),
             class,
-            unit,
-            unit_column,
+            unit: stated.first().copied(),
+            unit_column: header.find(&UNIT),
         }))
     }
 }
@@ -433,7 +365,6 @@ impl ChiColumns {
             chi,
             embryo: embryo_column(header),
             group: GroupColumn::of(header),
-
             chi_sd: header.find_only("standard deviation of χ", |name| CHI_SD.contains(&name))?,
             mother_volume: header.only("volume of the mother", &volumes)?,
             class,

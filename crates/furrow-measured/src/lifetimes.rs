@@ -22,7 +22,7 @@ use crate::pace::{InEmbryos, Shares, shares};
 use crate::per_embryo::PerEmbryo;
 use crate::several::Source;
 use crate::significance::{Sample, Trend, power, sign_test, welch};
-use crate::statistics::{mean, sd};
+use crate::statistics::{grouped, mean, sd};
 use crate::tracked::{EmbryoFile, TrackOptions, TrackedLineage, read_tracked};
 use crate::volumes::{MOST_PLACES, Skipped, Value, Volumes, note, require_used};
 
@@ -70,7 +70,7 @@ pub struct Lifetimes {
 }
 
 /// An embryo beside the others.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct EmbryoTimes {
     /// Its name.
     pub embryo: String,
@@ -123,16 +123,7 @@ impl Rows {
         let known = self.sources.iter().position(|known| *known == source);
         known.unwrap_or_else(|| {
             self.sources.push(source);
-            let embryo = EmbryoTimes {
-                embryo: name.to_owned(),
-                cells: 0,
-                shared: 0,
-                frame_minutes,
-                time_factor: None,
-                scatter: None,
-                shift_min: None,
-            };
-            self.embryos.push(embryo);
+            self.embryos.push(EmbryoTimes { embryo: name.to_owned(), frame_minutes, ..EmbryoTimes::default() });
             self.embryos.len() - 1
         })
     }
@@ -218,15 +209,8 @@ impl Rows {
 
     /// By cell in the order of the tables.
     fn averaged(self) -> Vec<Lifetime> {
-        let (mut by_cell, mut places): (Vec<Vec<Lifetime>>, HashMap<String, usize>) = Default::default();
-        for RowOfEmbryo { lifetime, .. } in self.rows {
-            let place = *places.entry(lifetime.cell.clone()).or_insert(by_cell.len());
-            match by_cell.get_mut(place) {
-                Some(of_cell) => of_cell.push(lifetime),
-                None => by_cell.push(vec![lifetime]),
-            }
-        }
-        by_cell.iter().filter_map(|rows| averaged(rows)).collect()
+        let by_cell = grouped(self.rows.into_iter().map(|row| (row.lifetime.cell.clone(), row.lifetime)));
+        by_cell.iter().filter_map(|(_, rows)| averaged(rows)).collect()
     }
 }
 
@@ -390,11 +374,9 @@ fn averaged(rows: &[Lifetime]) -> Option<Lifetime> {
 
 /// Mean volume of every cell over the embryos that have it.
 pub fn mean_volumes(volumes: &Volumes) -> BTreeMap<String, f64> {
-    let mut all: BTreeMap<String, Vec<f64>> = BTreeMap::new();
-    for cell in volumes.embryos.iter().flat_map(|embryo| &embryo.cells) {
-        all.entry(cell.cell.clone()).or_default().push(cell.volume());
-    }
-    all.into_iter().map(|(cell, volumes)| (cell, mean(&volumes))).collect()
+    let cells = volumes.embryos.iter().flat_map(|embryo| &embryo.cells);
+    let by_name = grouped(cells.map(|cell| (cell.cell.as_str(), cell.volume())));
+    by_name.into_iter().map(|(cell, volumes)| (cell.to_owned(), mean(&volumes))).collect()
 }
 
 /// ln lifetime over ln volume of cells: all of them, and by founder.
@@ -408,15 +390,11 @@ pub struct Slopes {
 
 /// The slopes of cells with a founder, a volume and a lifetime.
 pub fn slopes<'a>(cells: impl IntoIterator<Item = (&'a str, f64, f64)>) -> Slopes {
-    let mut all: Vec<[f64; 2]> = Vec::new();
-    let mut founders: BTreeMap<String, Vec<[f64; 2]>> = BTreeMap::new();
-    for (founder, volume, lifetime) in cells {
-        let point = [volume.ln(), lifetime.ln()];
-        all.push(point);
-        founders.entry(founder.to_owned()).or_default().push(point);
-    }
-    let founders = founders.into_iter().filter_map(|(founder, points)| Some((founder, power(&points)?)));
-    Slopes { all: power(&all), founders: founders.collect() }
+    let point = |(founder, volume, lifetime): (&'a str, f64, f64)| (founder, [volume.ln(), lifetime.ln()]);
+    let points: Vec<(&str, [f64; 2])> = cells.into_iter().map(point).collect();
+    let all: Vec<[f64; 2]> = points.iter().map(|(_, point)| *point).collect();
+    let of = |(founder, points): (&str, Vec<[f64; 2]>)| Some((founder.to_owned(), power(&points)?));
+    Slopes { all: power(&all), founders: grouped(points).into_iter().filter_map(of).collect() }
 }
 
 /// Two measured sisters.

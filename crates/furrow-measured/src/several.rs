@@ -8,6 +8,7 @@ use std::path::Path;
 
 use crate::events::Division;
 use crate::layout::embryo_of_file;
+use crate::statistics::grouped;
 use crate::volumes::{Embryo, Skipped, Volumes, note};
 
 /// An embryo's name in its table, and the table.
@@ -61,11 +62,8 @@ impl Kinship {
 
 /// The places of divisions by the embryo's name in its table and the group.
 fn by_embryo(sources: &[Source], divisions: &[Division]) -> HashMap<(String, String), Vec<usize>> {
-    let mut found: HashMap<(String, String), Vec<usize>> = HashMap::new();
-    for (k, (source, division)) in sources.iter().zip(divisions).enumerate() {
-        found.entry((source.name.clone(), division.group.clone())).or_default().push(k);
-    }
-    found
+    let name = |(source, division): (&Source, &Division)| (source.name.clone(), division.group.clone());
+    grouped(sources.iter().zip(divisions).map(name).zip(0..)).into_iter().collect()
 }
 
 impl Volumes {
@@ -123,10 +121,9 @@ impl Volumes {
         let mut repeated: HashSet<usize> = HashSet::new();
         for (name, here) in by_embryo(own, new) {
             let Some(there) = known.get(&name) else { continue };
-            let mut mothers: HashMap<&str, Vec<&Division>> = HashMap::new();
-            for other in there.iter().map(|other| &before[*other]) {
-                mothers.entry(&other.mother).or_default().push(other);
-            }
+            let others = there.iter().map(|other| &before[*other]);
+            let mothers: HashMap<&str, Vec<&Division>> =
+                grouped(others.map(|other| (other.mother.as_str(), other))).into_iter().collect();
             let has = |k: &usize| {
                 let others = mothers.get(new[*k].mother.as_str())?;
                 Some(

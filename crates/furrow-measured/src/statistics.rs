@@ -11,16 +11,27 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Items by their keys, in the order in which these appear.
-pub(crate) fn grouped<K: Copy + Eq + Hash, T>(items: impl IntoIterator<Item = (K, T)>) -> Vec<(K, Vec<T>)> {
+pub fn grouped<K: Clone + Eq + Hash, T>(items: impl IntoIterator<Item = (K, T)>) -> Vec<(K, Vec<T>)> {
     let (mut groups, mut places) = (Vec::<(K, Vec<T>)>::new(), HashMap::new());
     for (key, item) in items {
-        let place = *places.entry(key).or_insert(groups.len());
+        let place = *places.entry(key.clone()).or_insert(groups.len());
         match groups.get_mut(place) {
             Some((_, group)) => group.push(item),
             None => groups.push((key, vec![item])),
         }
     }
     groups
+}
+
+/// Each different item once, in the order in which these appear.
+pub fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut found = Vec::new();
+    for item in items {
+        if !found.contains(&item) {
+            found.push(item);
+        }
+    }
+    found
 }
 
 /// Mean of the values; NaN without values.
@@ -202,7 +213,7 @@ pub struct RankCorrelation {
 }
 
 /// The ranks of some values from 1, in their order; equal ones share the mean of theirs.
-fn ranks(values: &[f64]) -> Vec<f64> {
+pub fn ranks(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by_cached_key(|k| OrderedFloat(values[*k]));
     let mut ranks = vec![0.0; values.len()];

@@ -317,11 +317,7 @@ fn a_small_file_that_declares_a_huge_picture_is_refused() {
 
 #[test]
 fn a_third_coordinate_and_numbers_of_points_are_no_outlines() {
-    let read = |table: &str| {
-        let mut contours = Contours::default();
-        contours.read_table(table.as_bytes(), "t.csv").unwrap();
-        contours
-    };
+    let read = |text: &str| table(text.as_bytes());
     let flat = read("z,y,x\n5,0,0\n5,0,2\n5,1,2\n5,1,0\n");
     assert_eq!((flat.traced.len(), flat.left_out.len()), (1, 0));
     let deep = read("z,y,x\n5,0,0\n6,0,2\n7,1,2\n8,1,0\n");

@@ -2,11 +2,15 @@
 
 mod lifetimes;
 
+use furrow_measured::dose::{Doses, by_condition, by_dose, trend};
+use furrow_measured::events::{Division, divisions, summaries};
+use furrow_measured::published::{rodrigues2024, villoutreix2016};
 use furrow_measured::significance::{Sample, needed, paired, power, slope_p, welch};
 use furrow_measured::statistics::{
     Line, Method, box_plot, line, line_through_origin, mean, rank_correlation, rank_sum, sd, stars,
 };
-use furrow_measured::trend::volume_line;
+use furrow_measured::trend::{adjacent_tests, volume_bins, volume_line, volume_trend};
+use furrow_measured::volumes::{ReadOptions, Volumes};
 use serde_json::Value;
 
 fn reference() -> Value {
@@ -172,4 +176,80 @@ fn needed_numbers_are_those_of_students_t() {
     let ratios = [2.0, 1.5, 1.25, 1.0, 0.8, 0.5, 0.3, 0.1, 0.03];
     assert_eq!(ratios.map(|ratio| needed(ratio, 1_000_000)), [5, 6, 8, 10, 15, 34, 90, 787, 8723].map(Some));
     assert_eq!((needed(-0.5, 40), needed(0.01, 78_000), needed(0.0, 1_000)), (needed(0.5, 40), None, None));
+}
+
+/// A published table. They are not shipped: `FURROW_DATA` names their folder.
+fn published(name: &str) -> String {
+    let folder = std::env::var("FURROW_DATA");
+    let folder = folder.unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data").to_owned());
+    let file = format!("{folder}/{name}");
+    std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{file}: {error}; FURROW_DATA names another folder"))
+}
+
+#[test]
+#[ignore = "needs the published tables"]
+fn the_sea_urchin_has_the_classes_and_tests_of_scipy() {
+    let table = published("villoutreix2016_divisions.csv");
+    let mut volumes = Volumes::default();
+    volumes.read(table.as_bytes(), "t.csv", &ReadOptions::default()).unwrap();
+    let all = divisions(&volumes).divisions;
+    assert_eq!((all.len(), volumes.skipped_count), (1702, 0));
+    let two: Vec<Division> = all.iter().filter(|d| ["Mac", "Mes"].contains(&&d.group[..])).cloned().collect();
+    let reference = &reference()["sea_urchin"];
+    for name in ["decades", "classes"] {
+        let expected = &reference[name];
+        let edges: Vec<f64> = expected["edges"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+        let bins = volume_bins(&two, Some(&edges));
+        assert_eq!(bins.len(), edges.len() - 1);
+        for (bin, expected) in bins.iter().zip(expected["bins"].as_array().unwrap()) {
+            assert_eq!(bin.n as u64, expected["n"].as_u64().unwrap());
+            close(bin.mean, &expected["mean"]);
+            close(bin.sd.unwrap(), &expected["sd"]);
+        }
+        for (test, expected) in adjacent_tests(&bins).iter().zip(expected["tests"].as_array().unwrap()) {
+            close(test.test.u, &expected["u"]);
+            close(test.test.p, &expected["p"]);
+        }
+    }
+    let (found, expected) = (volume_trend(&two), &reference["trend"]);
+    close(found.line.unwrap().slope, &expected["slope"]);
+    close(found.line.unwrap().slope_error, &expected["slope_error"]);
+    close(found.spearman.unwrap().rho, &expected["rho"]);
+    close(found.spearman.unwrap().p, &expected["p"]);
+    // The shipped data are a summary of this table.
+    for (shipped, found) in villoutreix2016().unwrap().iter().zip(["Mac", "Mes", "LMic", "SMic"]) {
+        let computed = summaries(&all).into_iter().find(|group| group.group == found).unwrap();
+        assert_eq!((shipped.embryos, shipped.events.len()), (computed.embryos, computed.events.len()));
+        for (shipped, computed) in shipped.events.iter().zip(&computed.events) {
+            assert_eq!((&shipped.mother, shipped.n), (&computed.mother, computed.n));
+            assert!((shipped.mean - computed.mean).abs() < 1e-6);
+        }
+    }
+}
+
+#[test]
+#[ignore = "needs the published tables"]
+fn asymmetry_over_the_dose_has_the_trend_of_scipy() {
+    let table = published("rodrigues2024_dosage.csv");
+    let doses = Doses::read(table.as_bytes(), "d.csv").unwrap();
+    let (found, reference) = (trend(&doses.divisions), reference());
+    let expected = &reference["dose"];
+    assert_eq!((doses.divisions.len() as u64, doses.skipped_count), (expected["n"].as_u64().unwrap(), 0));
+    close(found.spearman.unwrap().rho, &expected["rho"]);
+    close(found.spearman.unwrap().p, &expected["p"]);
+    for (line, expected) in [(found.chi_area, &expected["chi_area"]), (found.chi_volume, &expected["chi_volume"])] {
+        let line = line.unwrap();
+        close(line.slope, &expected["slope"]);
+        close(line.slope_error, &expected["slope_error"]);
+        close(line.intercept, &expected["intercept"]);
+        close(line.intercept_error.unwrap(), &expected["intercept_error"]);
+        close(line.r_squared.unwrap(), &expected["r_squared"]);
+    }
+    let computed = [by_condition(&doses.divisions), by_dose(&doses.divisions, None)];
+    for (shipped, computed) in rodrigues2024().unwrap().iter().flatten().zip(computed.iter().flatten()) {
+        assert_eq!((&shipped.name, shipped.n), (&computed.name, computed.n));
+        for (a, b) in [(shipped.dose, computed.dose), (shipped.chi_area, computed.chi_area)] {
+            assert!((a.mean - b.mean).abs() < 1e-6 && (a.sd.unwrap() - b.sd.unwrap()).abs() < 1e-6);
+        }
+    }
 }

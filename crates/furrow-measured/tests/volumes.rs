@@ -1,26 +1,28 @@
 //! Tables of volumes as people write them.
 
-use furrow_measured::dose::{Doses, by_condition, by_dose, trend};
-use furrow_measured::events::Division;
-use furrow_measured::events::{divisions, summaries};
+use furrow_measured::dose::{Doses, by_condition, by_dose};
+use furrow_measured::events::{Division, divisions, summaries};
 use furrow_measured::names::{NamedFounder, Names};
 use furrow_measured::per_embryo::PerEmbryo;
-use furrow_measured::published::{rodrigues2024, villoutreix2016};
-use furrow_measured::trend::{adjacent_tests, volume_bins, volume_trend};
+use furrow_measured::trend::{adjacent_tests, volume_bins};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 
-fn read(table: &[u8]) -> Volumes {
+fn read_as(file: &str, table: impl AsRef<[u8]>, options: &ReadOptions) -> Volumes {
     let mut volumes = Volumes::default();
-    volumes.read(table, "t.csv", &ReadOptions::default()).unwrap();
+    volumes.read(table.as_ref(), file, options).unwrap();
     volumes
 }
 
-fn refused(table: &[u8]) -> String {
-    Volumes::default().read(table, "t.csv", &ReadOptions::default()).unwrap_err().to_string()
+fn read(table: impl AsRef<[u8]>) -> Volumes {
+    read_as("t.csv", table, &ReadOptions::default())
+}
+
+fn refused(table: impl AsRef<[u8]>) -> String {
+    Volumes::default().read(table.as_ref(), "t.csv", &ReadOptions::default()).unwrap_err().to_string()
 }
 
 fn skipped(table: &str) -> Vec<String> {
-    let volumes = read(table.as_bytes());
+    let volumes = read(table);
     assert_eq!(volumes.skipped_count as usize, volumes.skipped.len());
     volumes.skipped.iter().map(|s| format!("{}:{}: {} = {:?}: {}", s.file, s.line, s.column, s.value, s.why)).collect()
 }
@@ -29,20 +31,19 @@ fn skipped(table: &str) -> Vec<String> {
 #[test]
 fn a_table_of_chi_may_have_errors_and_volumes_of_mothers() {
     let text = "embryo,mother,chi,sd,V_mother_um3\ne,P0,0.18,0.02,25000\ne,P1,0.17,,\ne,P2,0.4,-1,4000\n";
-    let mut volumes = Volumes::default();
-    volumes.read(text.as_bytes(), "t.csv", &ReadOptions::default()).unwrap();
+    let volumes = read(text);
     let found: Vec<_> = volumes.divisions.iter().map(|d| (d.mother.as_str(), d.chi_sd, d.mother_measured)).collect();
     assert_eq!(found, [("P0", Some(0.02), Some(25000.0)), ("P1", None, None)]);
     assert_eq!((volumes.skipped_count, volumes.unit), (1, Some(Unit::OfMother)));
     let both = "mother,chi,sd,chi_sd\nP0,0.1,0.1,0.1\n";
-    let refusal = Volumes::default().read(both.as_bytes(), "t.csv", &ReadOptions::default()).unwrap_err().to_string();
+    let refusal = refused(both);
     assert!(refusal.contains("both have the standard deviation of χ"), "{refusal}");
 }
 
 #[test]
 fn columns_may_stand_in_any_order_and_groups_are_kept_apart() {
     let table = "n,group,volume,cell,embryo,remark\n3,wt,60,AB,e1,x\n3,wt,40,P1,e1,\n1,hot,50,P1,e1,\n1,hot,50,AB,e1,\n,wt,58,AB,e2,\n,wt,42,P1,e2,\n";
-    let volumes = read(table.as_bytes());
+    let volumes = read(table);
     assert_eq!((volumes.used, volumes.unit), (6, Some(Unit::CubicMicrometres)));
     let groups = summaries(&divisions(&volumes).divisions);
     let names: Vec<(&str, usize)> = groups.iter().map(|group| (group.group.as_str(), group.embryos)).collect();
@@ -67,9 +68,8 @@ fn the_sign_follows_the_daughter_named_first() {
 fn frames_are_averaged_and_grids_are_read() {
     let long = read(b"embryo,cell,frame,volume_um3\ne,AB,1,10\ne,AB,2,14\ne,P1,2,8\n");
     assert_eq!(long.embryos[0].cells.iter().map(|cell| cell.volume()).collect::<Vec<_>>(), [12.0, 8.0]);
-    let mut grid = Volumes::default();
     let options = ReadOptions { voxel: Some(0.25).into(), ..ReadOptions::default() };
-    grid.read(&b",AB,P1,Nuc3\n1,640,,7\n2,1280,320,\n3,,320,\n"[..], "data/Sample04_Volume.csv", &options).unwrap();
+    let grid = read_as("data/Sample04_Volume.csv", ",AB,P1,Nuc3\n1,640,,7\n2,1280,320,\n3,,320,\n", &options);
     assert_eq!(grid.embryos[0].name, "Sample04");
     assert_eq!(grid.embryos[0].cells.iter().map(|cell| cell.volume()).collect::<Vec<_>>(), [15.0, 5.0]);
     assert_eq!((grid.used, grid.skipped_count, grid.unit), (4, 1, Some(Unit::CubicMicrometres)));
@@ -124,11 +124,11 @@ fn other_tables_than_of_volumes_are_refused() {
 #[test]
 fn very_wide_tables_and_very_long_names_are_read_in_passing() {
     let header: String = (0..200_000).map(|k| format!(",x{k}")).collect();
-    let said = refused(format!("{header}\n1\n").as_bytes());
+    let said = refused(format!("{header}\n1\n"));
     assert!(said.contains("and 199993 more"), "{said}");
     let long = "a".repeat(1_000_000);
     assert_eq!(
-        read(format!("embryo,cell,volume\ne,AB{long},1\n").as_bytes()).skipped[0].why,
+        read(format!("embryo,cell,volume\ne,AB{long},1\n")).skipped[0].why,
         "no name of Sulston's; other names need the file of their lineage (--lineage), or to be matched (--names, --root)"
     );
 }
@@ -149,12 +149,12 @@ fn bins_are_decades_from_the_largest_cells_to_the_smallest() {
         table += &format!("e{k},AB,{}\ne{k},P1,{}\n", 5000.0 + 100.0 * k as f64, 5000.0 - 100.0 * k as f64);
         table += &format!("e{k},MSa,{}\ne{k},MSp,{}\n", 450.0 * (1.0 + chi), 450.0 * (1.0 - chi));
     }
-    let bins = volume_bins(&divisions(&read(table.as_bytes())).divisions, None);
+    let bins = volume_bins(&divisions(&read(&table)).divisions, None);
     let names: Vec<(String, usize)> = bins.iter().map(|bin| (bin.name(), bin.n)).collect();
     assert_eq!(names, [("10000..100000".to_owned(), 3), ("100..1000".to_owned(), 3)]);
     let tests = adjacent_tests(&bins);
     assert_eq!((tests[0].test.u, tests[0].test.p, tests[0].stars), (9.0, 0.05, "*"));
-    let own = volume_bins(&divisions(&read(table.as_bytes())).divisions, Some(&[0.0, 901.0]));
+    let own = volume_bins(&divisions(&read(&table)).divisions, Some(&[0.0, 901.0]));
     assert_eq!((own.len(), own[0].n), (1, 3));
 }
 
@@ -191,7 +191,7 @@ fn empty_columns_and_rows_and_numbers_of_rows_are_ignored() {
         ",embryo,cell,volume\n0,e,AB,60\n1,e,P1,40\n",
         "Unnamed: 0.1,Unnamed: 0,embryo,cell,volume\n0,0,e,AB,60\n1,1,e,P1,40\n",
     ] {
-        let found = read(table.as_bytes());
+        let found = read(table);
         assert_eq!((divisions(&found).divisions, found.skipped_count), (plain.clone(), 0), "{table}");
     }
     let grid = read(b",frame,AB,P1,,\n0,1,60,40,,\n,,,,,\n");
@@ -230,8 +230,7 @@ fn units_in_headings_and_columns_are_read_in_any_writing() {
 #[test]
 fn a_grid_can_be_in_cubic_micrometres() {
     let unit = |table: &str, options: &ReadOptions| {
-        let mut volumes = Volumes::default();
-        volumes.read(table.as_bytes(), "Sample04_Volume.csv", options).unwrap();
+        let volumes = read_as("Sample04_Volume.csv", table, options);
         assert_eq!(volumes.skipped_count, 0);
         (volumes.unit.unwrap(), volumes.embryos[0].cells[0].volume())
     };
@@ -276,7 +275,7 @@ proptest::proptest! {
 fn a_long_table_in_descending_frames_is_read() {
     // A sorted list with insertions at its front took minutes for these.
     let rows: String = (0..400_000).rev().map(|frame| format!("e,AB,{frame},10\n")).collect();
-    let volumes = read(format!("embryo,cell,frame,volume_um3\n{rows}e,AB,7,10\n").as_bytes());
+    let volumes = read(format!("embryo,cell,frame,volume_um3\n{rows}e,AB,7,10\n"));
     assert_eq!((volumes.used, volumes.skipped_count), (400_000, 1));
     assert!(volumes.skipped[0].why.contains("a second volume of this cell in frame 7"));
 }
@@ -287,11 +286,8 @@ fn no_cell_of_a_table_is_lost() {
     let grid = read(b"AB,P1,ABa,ABp\n14500,9900,7000,7100\n");
     assert_eq!((grid.used, grid.skipped_count, divisions(&grid).divisions.len()), (4, 0, 2));
     let table = b"embryo,cell,volume,note\ne,AB,59,ok\ne,P1,41,\"5 inch\ne,ABa,30,x\ne,ABp,29,x\n";
-    let error = Volumes::default().read(&table[..], "t.csv", &ReadOptions::default()).unwrap_err().to_string();
+    let error = refused(table);
     assert!(error.starts_with("t.csv:3") && error.contains("a quote that opens in this row is not closed"), "{error}");
-    let refused = |table: &str| {
-        Volumes::default().read(table.as_bytes(), "t.csv", &ReadOptions::default()).unwrap_err().to_string()
-    };
     for table in [
         "embryo,cell,volume_um3,note\ne1,AB,59,\ne1,P1,41,\"late\ne2,AB,60,\ne2,P1,40,\"late\n",
         "embryo,cell,volume_um3\ne1,AB,59\n\",P1,41\ne2,AB,60\n\",P1,40\n",
@@ -346,8 +342,7 @@ fn classes_that_read_alike_are_not_pooled() {
     let options = ReadOptions { class: vec!["stage".to_owned(), "generation".to_owned()], ..ReadOptions::default() };
     let table =
         b"embryo,mother,stage,generation,larger_um3,smaller_um3\n1,a,1,12,60,40\n1,b,11,2,90,10\n1,c,1,12,55,45\n";
-    let mut volumes = Volumes::default();
-    volumes.read(&table[..], "t.csv", &options).unwrap();
+    let volumes = read_as("t.csv", table, &options);
     assert_eq!(volumes.divisions.len(), 2);
     assert_eq!(volumes.skipped[0].why, "the class 112 is 11 + 2 here and 1 + 12 before");
 }
@@ -357,7 +352,7 @@ fn times_with_units_are_frames() {
     for heading in ["Time (min)", "t", "timepoint", "Time / h", "frame"] {
         let table =
             format!("embryo,cell,{heading},volume_um3\ne,AB,0,14000\ne,AB,1,15000\ne,P1,0,10000\ne,P1,1,9000\n");
-        let volumes = read(table.as_bytes());
+        let volumes = read(table);
         assert_eq!((volumes.skipped_count, volumes.embryos[0].cells[0].volume()), (0, 14500.0), "{heading}");
     }
 }
@@ -404,9 +399,8 @@ fn cells_of_any_spelling_and_of_a_lineage_are_read_with_units_and_decimal_commas
     let founder =
         |name: &str| NamedFounder { name: name.to_owned(), mother: None, is_smaller: false, letters: Vec::new() };
     let names = Names::of(vec![founder("z\u{fc}")], ('1', '2'));
-    let mut long = Volumes::default();
     let table = b"embryo;cell;volume (fl)\ne;z\xfc1;15,6\ne;z\xfc2;14,5\ne;ABal;7,5\ne;zu;1,5\n";
-    long.read(&table[..], "t.csv", &ReadOptions { names, ..ReadOptions::default() }).unwrap();
+    let long = read_as("t.csv", table, &ReadOptions { names, ..ReadOptions::default() });
     let expected =
         [("z\u{fc}1", 15.6), ("z\u{fc}2", 14.5), ("ABal", 7.5)].map(|(name, volume)| (name.to_owned(), volume));
     assert_eq!(cells(&long), expected);
@@ -418,7 +412,7 @@ fn cells_of_any_spelling_and_of_a_lineage_are_read_with_units_and_decimal_commas
 
 #[test]
 fn two_columns_of_one_quantity_are_refused() {
-    let why = refused("embryo,cell,Volume (\u{b5}m\u{b3}),relative_volume\ne,AB,60,0.6\n".as_bytes());
+    let why = refused("embryo,cell,Volume (\u{b5}m\u{b3}),relative_volume\ne,AB,60,0.6\n");
     assert!(
         why.contains("columns 3 and 4, \"Volume (\u{b5}m\u{b3})\" and \"relative_volume\", both have the volume"),
         "{why}"
@@ -478,7 +472,7 @@ fn a_heading_in_brackets_begins_a_grid() {
 #[test]
 fn names_that_were_written_for_spreadsheets_read_back_as_they_were() {
     let written = furrow_input::csv_field("=wt");
-    let volumes = read(format!("embryo,cell,volume,group\n+e1,AB,60,{written}\n").as_bytes());
+    let volumes = read(format!("embryo,cell,volume,group\n+e1,AB,60,{written}\n"));
     assert_eq!((volumes.embryos[0].group.as_str(), volumes.embryos[0].name.as_str()), ("=wt", "+e1"));
 }
 
@@ -499,7 +493,7 @@ embryo,mother,population,generation,mother_um3,larger_um3,smaller_um3
 
 #[test]
 fn divisions_are_read_row_by_row() {
-    let volumes = read(DIVISIONS.as_bytes());
+    let volumes = read(DIVISIONS);
     let found = divisions(&volumes).divisions;
     let of = |d: &Division| (d.group.clone(), d.mother.clone(), d.daughters[0].clone(), d.mother_measured);
     let expected = [("Mac", "6", "a", Some(100.0)), ("Mac", "10", "b", None), ("Mes", "7", "d", Some(110.0))];
@@ -536,7 +530,7 @@ fn divisions_are_read_row_by_row() {
 #[test]
 fn a_table_of_chi_needs_no_volumes() {
     let table = "mother,chi\nP0,0.2\nP1,-0.1\nP2,1\nP3,\n";
-    let found = divisions(&read(table.as_bytes())).divisions;
+    let found = divisions(&read(table)).divisions;
     let of = |d: &Division| (d.embryo.clone(), d.mother.clone(), d.chi_signed);
     assert_eq!(
         found.iter().map(of).collect::<Vec<_>>(),
@@ -595,96 +589,12 @@ fn shares_are_read_as_areas_and_as_volumes() {
     }
 }
 
-/// A published table. They are not shipped: `FURROW_DATA` names their folder.
-fn published(name: &str) -> String {
-    let folder = std::env::var("FURROW_DATA");
-    let folder = folder.unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data").to_owned());
-    let file = format!("{folder}/{name}");
-    std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{file}: {error}; FURROW_DATA names another folder"))
-}
-
-fn reference(of: &str) -> serde_json::Value {
-    serde_json::from_str::<serde_json::Value>(include_str!("data/reference.json")).unwrap()[of].clone()
-}
-
-fn close(found: f64, expected: &serde_json::Value) {
-    let expected = expected.as_f64().unwrap();
-    assert!((found - expected).abs() <= 1e-10 * expected.abs(), "{found} {expected}");
-}
-
-#[test]
-#[ignore = "needs the published tables"]
-fn the_sea_urchin_has_the_classes_and_tests_of_scipy() {
-    let table = published("villoutreix2016_divisions.csv");
-    let volumes = read(table.as_bytes());
-    let all = divisions(&volumes).divisions;
-    assert_eq!((all.len(), volumes.skipped_count), (1702, 0));
-    let two: Vec<Division> = all.iter().filter(|d| ["Mac", "Mes"].contains(&&d.group[..])).cloned().collect();
-    let reference = reference("sea_urchin");
-    for name in ["decades", "classes"] {
-        let expected = &reference[name];
-        let edges: Vec<f64> = expected["edges"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
-        let bins = volume_bins(&two, Some(&edges));
-        assert_eq!(bins.len(), edges.len() - 1);
-        for (bin, expected) in bins.iter().zip(expected["bins"].as_array().unwrap()) {
-            assert_eq!(bin.n as u64, expected["n"].as_u64().unwrap());
-            close(bin.mean, &expected["mean"]);
-            close(bin.sd.unwrap(), &expected["sd"]);
-        }
-        for (test, expected) in adjacent_tests(&bins).iter().zip(expected["tests"].as_array().unwrap()) {
-            close(test.test.u, &expected["u"]);
-            close(test.test.p, &expected["p"]);
-        }
-    }
-    let (found, expected) = (volume_trend(&two), &reference["trend"]);
-    close(found.line.unwrap().slope, &expected["slope"]);
-    close(found.line.unwrap().slope_error, &expected["slope_error"]);
-    close(found.spearman.unwrap().rho, &expected["rho"]);
-    close(found.spearman.unwrap().p, &expected["p"]);
-    // The shipped data are a summary of this table.
-    for (shipped, found) in villoutreix2016().unwrap().iter().zip(["Mac", "Mes", "LMic", "SMic"]) {
-        let computed = summaries(&all).into_iter().find(|group| group.group == found).unwrap();
-        assert_eq!((shipped.embryos, shipped.events.len()), (computed.embryos, computed.events.len()));
-        for (shipped, computed) in shipped.events.iter().zip(&computed.events) {
-            assert_eq!((&shipped.mother, shipped.n), (&computed.mother, computed.n));
-            assert!((shipped.mean - computed.mean).abs() < 1e-6);
-        }
-    }
-}
-
-#[test]
-#[ignore = "needs the published tables"]
-fn asymmetry_over_the_dose_has_the_trend_of_scipy() {
-    let table = published("rodrigues2024_dosage.csv");
-    let doses = Doses::read(table.as_bytes(), "d.csv").unwrap();
-    let (found, expected) = (trend(&doses.divisions), reference("dose"));
-    assert_eq!((doses.divisions.len() as u64, doses.skipped_count), (expected["n"].as_u64().unwrap(), 0));
-    close(found.spearman.unwrap().rho, &expected["rho"]);
-    close(found.spearman.unwrap().p, &expected["p"]);
-    for (line, expected) in [(found.chi_area, &expected["chi_area"]), (found.chi_volume, &expected["chi_volume"])] {
-        let line = line.unwrap();
-        close(line.slope, &expected["slope"]);
-        close(line.slope_error, &expected["slope_error"]);
-        close(line.intercept, &expected["intercept"]);
-        close(line.intercept_error.unwrap(), &expected["intercept_error"]);
-        close(line.r_squared.unwrap(), &expected["r_squared"]);
-    }
-    let computed = [by_condition(&doses.divisions), by_dose(&doses.divisions, None)];
-    for (shipped, computed) in rodrigues2024().unwrap().iter().flatten().zip(computed.iter().flatten()) {
-        assert_eq!((&shipped.name, shipped.n), (&computed.name, computed.n));
-        for (a, b) in [(shipped.dose, computed.dose), (shipped.chi_area, computed.chi_area)] {
-            assert!((a.mean - b.mean).abs() < 1e-6 && (a.sd.unwrap() - b.sd.unwrap()).abs() < 1e-6);
-        }
-    }
-}
-
 #[test]
 fn each_embryo_has_its_size_and_its_voxels() {
     let table = "embryo,cell,volume_voxels\none,AB,8\none,P1,4\ntwo,AB,16\ntwo,P1,8\n";
     let voxel = PerEmbryo::new([(None, 2.0), (Some("two".to_owned()), 4.0)]);
     let options = ReadOptions { voxel, ..ReadOptions::default() };
-    let mut volumes = Volumes::default();
-    volumes.read(table.as_bytes(), "t.csv", &options).unwrap();
+    let mut volumes = read_as("t.csv", table, &options);
     let sizes = volumes.sizes();
     assert_eq!(volumes.unit, Some(Unit::CubicMicrometres));
     let factors: Vec<f64> = sizes.iter().map(|size| size.size_factor.unwrap()).collect();
@@ -711,8 +621,7 @@ fn an_embryo_in_voxels_needs_an_edge_where_another_has_one() {
         ("embryo,AB,P1\none,8,4\ntwo,16,8\n", Some(refused)),
         ("embryo,cell,volume_voxels\none,AB,8\none,P1,4\n", None),
     ] {
-        let mut volumes = Volumes::default();
-        volumes.read(table.as_bytes(), "t.csv", &of_one).unwrap();
+        let volumes = read_as("t.csv", table, &of_one);
         let error = volumes.require_options().err().map(|error| error.to_string());
         assert_eq!(error.as_deref(), said, "{table}");
     }

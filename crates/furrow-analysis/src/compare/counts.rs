@@ -110,7 +110,7 @@ pub struct TerminalCells {
 }
 
 /// A tree beside the observed embryo.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Counts {
     /// The name of the lineage.
     pub lineage: String,
@@ -169,9 +169,7 @@ pub fn counts_of_embryo(
 impl Counts {
     /// Stages alone.
     fn of(tree: &Tree, stages: Vec<StageCounts>) -> Counts {
-        let (lineage, ends) = (tree.lineage.name.clone(), ends(tree));
-        let (sentence, absent, skipped) = (Vec::new(), Vec::new(), Vec::new());
-        Counts { lineage, stages, sentence, ends, germline: None, absent, skipped, skipped_count: 0, matched: None }
+        Counts { lineage: tree.lineage.name.clone(), stages, ends: ends(tree), ..Counts::default() }
     }
 }
 

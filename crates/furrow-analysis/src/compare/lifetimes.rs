@@ -10,7 +10,7 @@ use furrow_measured::lifetimes::{
 };
 use furrow_measured::published::SOURCE;
 use furrow_measured::significance::Trend;
-use furrow_measured::statistics::{SPREAD_FROM, mean, sd};
+use furrow_measured::statistics::{SPREAD_FROM, grouped, mean, sd};
 use furrow_measured::volumes::Volumes;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -203,16 +203,9 @@ fn model_slopes(tree: &Tree, times: &[CellTimes]) -> Slopes {
 }
 
 fn founders_beside(cells: &[CellComparison], measured: &Slopes, model: Option<&Slopes>) -> Vec<FounderComparison> {
-    let mut names: Vec<&str> = Vec::new();
-    for cell in cells {
-        if !names.contains(&cell.measured.founder.as_str()) {
-            names.push(&cell.measured.founder);
-        }
-    }
-    let of = |founder: &str| {
-        let own = || cells.iter().filter(|cell| cell.measured.founder == founder);
-        let means: Vec<f64> = own().map(|cell| cell.measured.mean).collect();
-        let modelled: Vec<f64> = own().filter_map(|cell| cell.model).collect();
+    let of = |(founder, own): (&str, Vec<&CellComparison>)| {
+        let means: Vec<f64> = own.iter().map(|cell| cell.measured.mean).collect();
+        let modelled: Vec<f64> = own.iter().filter_map(|cell| cell.model).collect();
         FounderComparison {
             founder: founder.to_owned(),
             n: means.len(),
@@ -224,7 +217,8 @@ fn founders_beside(cells: &[CellComparison], measured: &Slopes, model: Option<&S
             model_slope: model.and_then(|model| model.founders.get(founder).copied()),
         }
     };
-    names.into_iter().map(of).collect()
+    let by_founder = grouped(cells.iter().map(|cell| (cell.measured.founder.as_str(), cell)));
+    by_founder.into_iter().map(of).collect()
 }
 
 fn deviation(cells: &[CellComparison], of: fn(&CellComparison) -> bool) -> Option<Deviation> {

@@ -207,13 +207,11 @@ mod tests {
             let [a, b] = [0.5 * (1.0 + chi), 0.5 * (1.0 - chi)].map(|share| measured(share * volume));
             Division {
                 embryo: "e".into(),
-                group: String::new(),
                 mother: k.to_string(),
-                daughters: [String::new(), String::new()],
                 volumes: [a.max(b), a.min(b)],
                 chi_signed: (a - b).abs() / (a + b),
                 mother_measured: Some(measured(volume)),
-                chi_sd: None,
+                ..Division::default()
             }
         };
         (0..800).map(of).collect()

@@ -10,7 +10,7 @@ use furrow_lineage::batch::scheduler::{SchedulerError, SchedulerOptions};
 use furrow_lineage::batch::{Memo, phase, scheduler, solve};
 use furrow_lineage::{GrowError, Length, Lineage, Tree, TreeSettings};
 use furrow_measured::events::{Division, GroupSummary, MotherSummary, by_group};
-use furrow_measured::statistics::{BoxPlot, Line, SPREAD_FROM, box_plot, line, line_through_origin, mean};
+use furrow_measured::statistics::{BoxPlot, Line, SPREAD_FROM, box_plot, grouped, line, line_through_origin, mean};
 use furrow_measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
 use furrow_mechanics::division::{Division as Computed, DivisionInput, Outcome};
 use serde::Serialize;
@@ -167,10 +167,8 @@ pub(crate) fn compare_groups(
     let of = |group: GroupSummary| {
         let first = given.get(&group.group);
         let own: Vec<Division> = own_of.remove(group.group.as_str()).into_iter().flatten().cloned().collect();
-        let mut chi_of: HashMap<&str, Vec<f64>> = HashMap::new();
-        for division in &own {
-            chi_of.entry(&division.mother).or_default().push(division.chi());
-        }
+        let chi_of: HashMap<&str, Vec<f64>> =
+            grouped(own.iter().map(|division| (division.mother.as_str(), division.chi()))).into_iter().collect();
         let event = |measured: MotherSummary| MotherComparison {
             band: None,
             box_plot: chi_of.get(measured.mother.as_str()).and_then(|chi| box_plot(chi)),

@@ -12,7 +12,7 @@ use std::fmt::Write;
 
 use crate::compare::names_of;
 use furrow_input::InputError;
-use furrow_lineage::{FounderClock, Lineage};
+use furrow_lineage::Lineage;
 use furrow_measured::lifetimes::{Lifetimes, mean_volumes};
 use furrow_measured::names::Names;
 use furrow_measured::significance::power;
@@ -193,22 +193,6 @@ fn first_volume(
 }
 
 impl FittedClock {
-    /// The clock of each founder by name, as a lineage file gives it.
-    fn founder_clocks(&self) -> impl Iterator<Item = (&str, FounderClock)> {
-        let own = self.exponents.iter().map(|law| {
-            let (lifetime_min, at_volume) = (Some(law.lifetime_min), Some(law.at_volume));
-            (
-                law.founder.as_str(),
-                FounderClock { lifetime_min, at_volume, exponent: Some(law.exponent), volumes: Some(law.volumes) },
-            )
-        });
-        own.chain(self.few.iter().map(|few| {
-            let (lifetime_min, at_volume) = (Some(few.lifetime_min), Some(few.at_volume));
-            let (exponent, volumes) = (Some(self.all.exponent), Some(self.all.volumes));
-            (few.founder.as_str(), FounderClock { lifetime_min, at_volume, exponent, volumes })
-        }))
-    }
-
     /// The clock as a lineage file: one that differs from the built-in lineage, or without `base` one with the fields to copy.
     pub fn as_ron(&self, base: Option<&str>) -> String {
         let law = |lifetime: f64, volume: f64, exponent: f64, [least, most]: [f64; 2]| {
@@ -224,13 +208,13 @@ impl FittedClock {
         let origin = self.origin.as_ref().map(|first| format!(", origin: division({first:?})"));
         let (law_of_all, origin) = (law(lifetime_min, at_volume, exponent, volumes), origin.unwrap_or_default());
         let _ = writeln!(out, "    clock: ({law_of_all}{origin}),\n    founders: [");
-        for (name, FounderClock { lifetime_min, at_volume, exponent, volumes }) in self.founder_clocks() {
-            let of = [lifetime_min, at_volume, exponent].map(|value| value.unwrap_or(f64::NAN));
-            let _ = writeln!(
-                out,
-                "        (name: {name:?}, clock: ({})),",
-                law(of[0], of[1], of[2], volumes.unwrap_or([f64::NAN; 2]))
-            );
+        let own = self
+            .exponents
+            .iter()
+            .map(|own| (&own.founder, law(own.lifetime_min, own.at_volume, own.exponent, own.volumes)));
+        let few = self.few.iter().map(|few| (&few.founder, law(few.lifetime_min, few.at_volume, exponent, volumes)));
+        for (name, clock) in own.chain(few) {
+            let _ = writeln!(out, "        (name: {name:?}, clock: ({clock})),");
         }
         out + "    ],\n)\n"
     }

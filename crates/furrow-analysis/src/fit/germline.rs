@@ -412,10 +412,7 @@ mod tests {
         let (template, settings) = (Cue::published(), TreeSettings { numerics, ..TreeSettings::default() });
         let unknowns = unknowns(&template);
         let cell = Cell::gao2026_thresholds(1.0).with_cue(template.clone());
-        let share = |unknown: &Unknown| {
-            let ([from, to], value) = (unknown.limits, unknown.kind.parameter().unwrap().get(&cell));
-            if unknown.logarithmic { (value / from).ln() / (to / from).ln() } else { (value - from) / (to - from) }
-        };
+        let share = |unknown: &Unknown| unknown.share(unknown.kind.parameter().unwrap().get(&cell)).unwrap();
         let place = unknowns.iter().map(share).collect();
         let cancel = false.into();
         let run = FitRun::new(&lineage, &settings, 1, &cancel);
@@ -423,6 +420,11 @@ mod tests {
         let model = Model { run, template: &template, unknowns, kin, memo: None };
         let effort = SearchBudget { particles: 1, moves: 1, seed: 0 };
         then(&Objective::new(model, &targets.chi, |_| UNDIVIDED, effort), place)
+    }
+
+    fn completed(objective: &Objective<'_>, place: &[f64], chi_squared: f64) -> FittedCue {
+        let targets = Targets { out_of_sample: None, ..Targets::embryo().unwrap() };
+        complete(objective, &targets, place, chi_squared).unwrap()
     }
 
     #[test]
@@ -454,10 +456,7 @@ mod tests {
     #[test]
     fn errors_grow_with_the_misfit() {
         of_the_embryo(Numerics::default(), |objective, place| {
-            let [good, poor] = [1.0, 4.0].map(|chi_squared| {
-                complete(objective, &Targets { out_of_sample: None, ..Targets::embryo().unwrap() }, &place, chi_squared)
-                    .unwrap()
-            });
+            let [good, poor] = [1.0, 4.0].map(|chi_squared| completed(objective, &place, chi_squared));
             assert_eq!((poor.goodness.degrees_of_freedom, poor.goodness.error_scale), (1, Some(2.0)));
             assert!((poor.goodness.p.unwrap() - 0.0455).abs() < 1e-4, "{:?}", poor.goodness);
             let errors: Vec<_> =
@@ -489,18 +488,10 @@ mod tests {
     #[test]
     fn a_number_at_the_edge_of_its_range_is_named() {
         of_the_embryo(Numerics::default(), |objective, mut place| {
-            assert!(
-                complete(objective, &Targets { out_of_sample: None, ..Targets::embryo().unwrap() }, &place, 1.0)
-                    .unwrap()
-                    .at_limit
-                    .is_empty()
-            );
+            assert!(completed(objective, &place, 1.0).at_limit.is_empty());
             let amplitude = place.len() - 1;
             place[amplitude] = 0.001;
-            let found =
-                complete(objective, &Targets { out_of_sample: None, ..Targets::embryo().unwrap() }, &place, 1.0)
-                    .unwrap()
-                    .at_limit;
+            let found = completed(objective, &place, 1.0).at_limit;
             let [NumberAtLimit { name, limit: Limit::Lower, searched, .. }] = &found[..] else { panic!("{found:?}") };
             assert_eq!((name.as_str(), *searched), ("cue[0].amplitude", AMPLITUDES));
         });

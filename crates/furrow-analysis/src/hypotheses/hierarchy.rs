@@ -36,12 +36,6 @@ pub struct EmbryoNumber {
     pub sd: f64,
 }
 
-/// The log likelihood at a point, and for each embryo the mean of the number and the mean of its square.
-pub(super) struct ByEmbryo {
-    pub log_likelihood: f64,
-    pub moments: Vec<[f64; 2]>,
-}
-
 /// The standard deviation at a place of its own unit interval, in the unit of the number, of its logarithm where that is searched.
 pub(super) fn spread(model: &Model<'_>, k: usize, share: f64) -> f64 {
     WIDEST * share * model.unknowns[k].length()
@@ -84,15 +78,16 @@ fn between(pair: [Option<f64>; 2], share: f64) -> Option<f64> {
     }
 }
 
-/// The likelihood of χ if the number `k` differs between embryos. The last coordinate of `place` is the place of its standard deviation.
+/// The log likelihood of χ if the number `k` differs between embryos, and for each embryo the mean of the number and the mean of its
+/// square. The last coordinate of `place` is the place of its standard deviation.
 pub(super) fn by_embryo(
     model: &Model<'_>,
     k: usize,
     place: &[f64],
     (observations, noise): (&Observations, &Noise),
-) -> ByEmbryo {
+) -> (f64, Vec<[f64; 2]>) {
     let Observations { rows, cells, units, .. } = observations;
-    let Some((share, place)) = place.split_last() else { return ByEmbryo { log_likelihood: 0.0, moments: Vec::new() } };
+    let Some((share, place)) = place.split_last() else { return (0.0, Vec::new()) };
     let at = |z: f64| {
         let mut place = place.to_vec();
         place[k] = (place[k] + WIDEST * share * z).clamp(0.0, 1.0);
@@ -114,11 +109,8 @@ pub(super) fn by_embryo(
         let moment = |power: i32| weights.iter().zip(&values).map(|(w, x)| w * x.powi(power)).sum::<f64>() / sum;
         (most + sum.ln(), [moment(1), moment(2)])
     };
-    let found: Vec<(f64, [f64; 2])> = (0..units.len()).map(of).collect();
-    ByEmbryo {
-        log_likelihood: found.iter().map(|(log, _)| log).sum(),
-        moments: found.into_iter().map(|(_, moments)| moments).collect(),
-    }
+    let (logs, moments): (Vec<f64>, Vec<[f64; 2]>) = (0..units.len()).map(of).unzip();
+    (logs.iter().sum(), moments)
 }
 
 /// The number of each embryo over the points of a sample.

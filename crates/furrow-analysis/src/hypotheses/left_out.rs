@@ -105,7 +105,7 @@ impl Fitted<'_> {
             let own = &all[k];
             let kept: Vec<&Others> =
                 all.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, others)| others).collect();
-            let beside = |model: &Model<'_>, values: &[f64]| others::misfit(&kept, model, values);
+            let beside = |model: &Model<'_>, values: &[f64]| others::summed(&kept, model, values, Others::misfit);
             let objective = beside_all(model(), self.objective.measured, Some(&beside)).by(self.objective.deviance);
             let place = if self.place.is_empty() { Vec::new() } else { self.refitted(&objective, rows, noise) };
             objective.check_cancelled()?;

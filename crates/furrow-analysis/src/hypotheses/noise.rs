@@ -216,11 +216,6 @@ pub fn log_density(residual: f64, sd: f64) -> f64 {
     -0.5 * ((residual / sd).powi(2) + (TAU * sd * sd).ln())
 }
 
-/// The sum of the logarithms of the densities of residuals.
-pub fn log_likelihood(residuals: &[f64], sds: &[f64]) -> f64 {
-    residuals.iter().zip(sds).map(|(residual, sd)| log_density(*residual, *sd)).sum()
-}
-
 /// Akaike's criterion for small samples; `None` for n ≤ k + 1.
 ///
 /// # Examples

@@ -6,6 +6,7 @@ use furrow_input::{InputError, listed, parse_document, read_text};
 use furrow_lineage::Lineage;
 use furrow_measured::events::{Division, divisions, place};
 use furrow_measured::matching::Matched;
+use furrow_measured::statistics::distinct;
 use furrow_measured::tracked::EmbryoFile;
 use furrow_measured::volumes::{EmbryoSize, ReadOptions, Skipped, Unit, Volumes};
 use serde::Serialize;
@@ -30,10 +31,11 @@ pub struct Observation {
 }
 
 /// The unit that is left out in turn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LeftOut {
     /// All divisions of an embryo.
+    #[default]
     Embryo,
     /// A division: the table has fewer than two embryos.
     Division,
@@ -63,7 +65,7 @@ pub struct Unused {
 }
 
 /// Measured χ.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Observations {
     /// Cells that divide, by generation and name.
     pub cells: Vec<String>,
@@ -247,20 +249,9 @@ impl Observations {
             volume: row.volume,
         };
         let rows = kept.iter().enumerate().map(row).collect();
-        let units = units.iter().map(|(_, name)| name.clone()).collect();
-        Ok(Observations {
-            cells,
-            units,
-            left_out,
-            rows,
-            others: Vec::new(),
-            unused: unused.into_values().collect(),
-            skipped: Vec::new(),
-            skipped_count: 0,
-            of_nuclei: false,
-            embryos: Vec::new(),
-            matched: Vec::new(),
-        })
+        let units = units.iter().map(|(_, name)| (*name).to_owned()).collect();
+        let unused = unused.into_values().collect();
+        Ok(Observations { cells, units, left_out, rows, unused, ..Observations::default() })
     }
 
     /// |χ| of a cell.
@@ -281,15 +272,10 @@ struct Measured {
 }
 
 /// The units that are left out in turn, by key and name.
-fn units(rows: &[&Measured]) -> (LeftOut, Vec<(String, String)>) {
-    let mut embryos: Vec<(String, String)> = Vec::new();
-    for row in rows {
-        if !embryos.iter().any(|(embryo, _)| *embryo == row.embryo) {
-            embryos.push((row.embryo.clone(), row.name.clone()));
-        }
-    }
+fn units<'a>(rows: &[&'a Measured]) -> (LeftOut, Vec<(&'a str, &'a str)>) {
+    let embryos = distinct(rows.iter().map(|row| (row.embryo.as_str(), row.name.as_str())));
     if embryos.len() > 1 {
         return (LeftOut::Embryo, embryos);
     }
-    (LeftOut::Division, rows.iter().map(|row| (row.cell.clone(), row.cell.clone())).collect())
+    (LeftOut::Division, rows.iter().map(|row| (row.cell.as_str(), row.cell.as_str())).collect())
 }

@@ -86,6 +86,9 @@ pub struct OtherScore {
     pub resting: usize,
     /// Its log density.
     pub log_likelihood: f64,
+    /// Its deviation from the model, in the units of the standard deviation's quantity.
+    #[serde(skip)]
+    off: f64,
 }
 
 /// Observations of one kind under a hypothesis.
@@ -101,13 +104,6 @@ pub struct OthersScore {
     pub left_out: f64,
     /// Each.
     pub rows: Vec<OtherScore>,
-}
-
-/// A row in the model: its value, the deviation, and the measured cells that rest.
-struct Found {
-    model: Option<f64>,
-    off: f64,
-    resting: usize,
 }
 
 impl Others {
@@ -167,44 +163,45 @@ impl Others {
         self.rows.is_empty()
     }
 
-    fn found(&self, tree: Option<&Tree>) -> Vec<Found> {
-        match self.quantity {
-            Quantity::Rounds => {
-                let rounds = tree.map_or_else(Vec::new, founder_rounds);
-                let of = |row: &Row| {
-                    let founder = tree.and_then(|tree| tree.lineage.founder_named(&row.name));
-                    let model = founder.and_then(|founder| Some(rounds[founder]?.mean));
-                    Found { model, off: row.observed - model.unwrap_or(0.0), resting: 0 }
-                };
-                self.rows.iter().map(of).collect()
-            }
-            Quantity::Lifetimes => {
-                let lives = tree.map_or_else(HashMap::new, lives);
-                self.rows.iter().map(|row| row.beside(&lives)).collect()
-            }
-        }
-    }
-
     fn scores(&self, tree: Option<&Tree>) -> Vec<OtherScore> {
-        let of = |(row, Found { model, off, resting }): (&Row, Found)| OtherScore {
+        let score = |row: &Row, model: Option<f64>, off: f64, resting: usize| OtherScore {
             name: row.name.clone(),
             n: row.cells.len().max(1),
             observed: row.observed,
             model,
             resting,
             log_likelihood: log_density(off, self.sd),
+            off,
         };
-        self.rows.iter().zip(self.found(tree)).map(of).collect()
+        match self.quantity {
+            Quantity::Rounds => {
+                let rounds = tree.map_or_else(Vec::new, founder_rounds);
+                let of = |row: &Row| {
+                    let founder = tree.and_then(|tree| tree.lineage.founder_named(&row.name));
+                    let model = founder.and_then(|founder| Some(rounds[founder]?.mean));
+                    score(row, model, row.observed - model.unwrap_or(0.0), 0)
+                };
+                self.rows.iter().map(of).collect()
+            }
+            Quantity::Lifetimes => {
+                let lives = tree.map_or_else(HashMap::new, lives);
+                let of = |row: &Row| {
+                    let (model, off, resting) = row.beside(&lives);
+                    score(row, model, off, resting)
+                };
+                self.rows.iter().map(of).collect()
+            }
+        }
     }
 
     /// Their log likelihood in a tree; `None` is one that cannot be grown.
     pub(super) fn log_likelihood(&self, tree: Option<&Tree>) -> f64 {
-        self.found(tree).iter().map(|found| log_density(found.off, self.sd)).sum()
+        self.scores(tree).iter().map(|row| row.log_likelihood).sum()
     }
 
     /// Their part of χ².
-    fn misfit(&self, tree: Option<&Tree>) -> f64 {
-        self.found(tree).iter().map(|found| (found.off / self.sd).powi(2)).sum()
+    pub(super) fn misfit(&self, tree: Option<&Tree>) -> f64 {
+        self.scores(tree).iter().map(|row| (row.off / self.sd).powi(2)).sum()
     }
 
     /// Each beside a tree, with the score of all in the fit without them.
@@ -216,19 +213,14 @@ impl Others {
 }
 
 impl Row {
-    fn beside(&self, lives: &HashMap<&str, f64>) -> Found {
-        let pairs: Vec<(f64, Option<f64>)> = self
-            .cells
-            .iter()
-            .map(|(cell, minutes)| (minutes.ln(), lives.get(cell.as_str()).map(|life| life.ln())))
-            .collect();
-        let modelled: Vec<f64> = pairs.iter().filter_map(|(_, model)| *model).collect();
-        let off: Vec<f64> = pairs.iter().map(|(own, model)| model.map_or(UNDIVIDED, |model| own - model)).collect();
-        Found {
-            resting: pairs.len() - modelled.len(),
-            model: (!modelled.is_empty()).then(|| mean(&modelled).exp()),
-            off: mean(&off),
-        }
+    /// Its lifetime in the model, the deviation, and the measured cells that rest.
+    fn beside(&self, lives: &HashMap<&str, f64>) -> (Option<f64>, f64, usize) {
+        let model = |cell: &str| lives.get(cell).map(|life| life.ln());
+        let modelled: Vec<f64> = self.cells.iter().filter_map(|(cell, _)| model(cell)).collect();
+        let off = |(cell, minutes): &(String, f64)| model(cell).map_or(UNDIVIDED, |model| minutes.ln() - model);
+        let resting = self.cells.len() - modelled.len();
+        let middle = (!modelled.is_empty()).then(|| mean(&modelled).exp());
+        (middle, mean(&self.cells.iter().map(off).collect::<Vec<_>>()), resting)
     }
 }
 
@@ -256,20 +248,16 @@ pub(super) fn grown(model: &Model<'_>, values: &[f64]) -> Option<Tree> {
     grow_alone(&lineage, settings, EndRule::Dynamics, model.memo?, model.run.cancel).ok().map(|(tree, _)| tree)
 }
 
-/// The part of χ² from observations beside χ.
-pub(super) fn misfit(others: &[&Others], model: &Model<'_>, values: &[f64]) -> f64 {
+/// The sum of `part`, a misfit or a log likelihood, over observations beside χ.
+pub(super) fn summed(
+    others: &[&Others],
+    model: &Model<'_>,
+    values: &[f64],
+    part: fn(&Others, Option<&Tree>) -> f64,
+) -> f64 {
     if others.is_empty() {
         return 0.0;
     }
     let tree = grown(model, values);
-    others.iter().map(|others| others.misfit(tree.as_ref())).sum()
-}
-
-/// The log likelihood of observations beside χ.
-pub(super) fn log_likelihood(others: &[&Others], model: &Model<'_>, values: &[f64]) -> f64 {
-    if others.is_empty() {
-        return 0.0;
-    }
-    let tree = grown(model, values);
-    others.iter().map(|others| others.log_likelihood(tree.as_ref())).sum()
+    others.iter().map(|others| part(others, tree.as_ref())).sum()
 }

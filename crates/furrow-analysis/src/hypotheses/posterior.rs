@@ -9,14 +9,14 @@
 
 use furrow_lineage::batch::SOLVER_VERSION;
 use furrow_measured::significance::normal_tail;
-use furrow_measured::statistics::{mean, sd};
+use furrow_measured::statistics::{distinct, mean, sd};
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Question;
 use super::folded;
-use super::hierarchy::{self, ByEmbryo, EmbryoNumber};
+use super::hierarchy::{self, EmbryoNumber};
 use super::noise::{Noise, NoiseKind, UNDIVIDED};
 use super::observations::{Observation, Observations};
 use super::others::{self, Others};
@@ -175,14 +175,12 @@ pub(super) fn posterior(
         }
         let values = model.values(place);
         let chi = model.chi(&values, cells);
-        let beside = others::log_likelihood(&of_all, model, &values);
-        Some(match by_embryo {
-            None => (log_density_of(rows, &chi, noise) + beside, Computed { chi, moments: Vec::new() }),
-            Some(k) => {
-                let ByEmbryo { log_likelihood, moments } = hierarchy::by_embryo(model, k, place, (observations, noise));
-                (log_likelihood + beside, Computed { chi, moments })
-            }
-        })
+        let beside = others::summed(&of_all, model, &values, Others::log_likelihood);
+        let (of_chi, moments) = match by_embryo {
+            None => (log_density_of(rows, &chi, noise), Vec::new()),
+            Some(k) => hierarchy::by_embryo(model, k, place, (observations, noise)),
+        };
+        Some((of_chi + beside, Computed { chi, moments }))
     };
     let dimensions = model.unknowns.len() + usize::from(by_embryo.is_some());
     let found = sample(dimensions, sampling, &likelihood);
@@ -267,12 +265,8 @@ pub fn samples_csv<'a>(
     hypotheses: impl Iterator<Item = (&'a str, &'a Posterior)> + Clone,
     part: Option<Shard>,
 ) -> String {
-    let mut names: Vec<&str> = Vec::new();
-    for number in hypotheses.clone().flat_map(|(_, posterior)| &posterior.parameters) {
-        if !names.contains(&number.name.as_str()) {
-            names.push(&number.name);
-        }
-    }
+    let numbers = hypotheses.clone().flat_map(|(_, posterior)| &posterior.parameters);
+    let names = distinct(numbers.map(|number| number.name.as_str()));
     let is_one = hypotheses.clone().count() == 1;
     let named = |name: &str| if is_one { None } else { Some(name.to_owned()) };
     let head = named(HYPOTHESIS).into_iter().chain(names.iter().map(|name| (*name).to_owned()));

@@ -171,7 +171,7 @@ pub(super) fn tested(
     let sds = noise.sds(rows);
     let measured = means(rows, &sds, cells);
     let of_all: Vec<&Others> = observations.others.iter().collect();
-    let beside = |model: &Model<'_>, values: &[f64]| others::misfit(&of_all, model, values);
+    let beside = |model: &Model<'_>, values: &[f64]| others::summed(&of_all, model, values, Others::misfit);
     let beside: Option<Beside<'_>> = (!of_all.is_empty()).then_some(&beside);
     let deviance = folded_deviance(rows, cells, noise);
     let alone =

@@ -13,8 +13,7 @@ use rand_mt::Mt64;
 use super::fit_test::fit_test;
 use super::free::Free;
 use super::left_out::{held_out, without};
-use super::noise::residuals;
-use super::noise::{aicc, common_sd, log_likelihood};
+use super::noise::{aicc, common_sd, log_density, residuals};
 use super::observations::{Chosen, LeftOut, Observation};
 use super::*;
 use crate::compare::names_of;
@@ -23,7 +22,11 @@ use crate::fit::{Targets, fit_cue};
 use crate::tempering::Sampling;
 
 /// A table as text, read with the worm's names.
-fn table(text: &str, chosen: Chosen<'_>) -> Result<Observations, String> {
+fn table(text: &str) -> Observations {
+    chosen(text, Chosen::default()).unwrap()
+}
+
+fn chosen(text: &str, chosen: Chosen<'_>) -> Result<Observations, String> {
     let lineage = Lineage::c_elegans().unwrap();
     let mut volumes = Volumes::default();
     let options = ReadOptions { names: names_of(&lineage), ..ReadOptions::default() };
@@ -54,6 +57,11 @@ fn close(found: f64, expected: f64) {
     assert!((found - expected).abs() < 1e-9 * expected.abs().max(1.0), "{found} {expected}");
 }
 
+/// The sum of the logarithms of the densities of residuals.
+fn log_likelihood(residuals: &[f64], sds: &[f64]) -> f64 {
+    residuals.iter().zip(sds).map(|(residual, sd)| log_density(*residual, *sd)).sum()
+}
+
 fn noise_of(observations: &Observations, kind: NoiseKind) -> Noise {
     Noise::of(observations, Some(kind), false, ("t.csv", "--noise")).unwrap()
 }
@@ -66,7 +74,7 @@ fn left_out(observations: &Observations, noise: &Noise, unit: usize, chi: &[Opti
 /// Every number beside scipy 1.17: stats.norm.logpdf, chi2.sf, f.sf, ttest_1samp, optimize.minimize_scalar.
 #[test]
 fn likelihoods_and_tests_are_those_of_scipy() {
-    let observations = table(TABLE, Chosen::default()).unwrap();
+    let observations = table(TABLE);
     assert_eq!((observations.left_out, observations.units.len(), observations.rows.len()), (LeftOut::Embryo, 4, 11));
     // log likelihood with given errors, χ², its p; common σ, its log likelihood, AICc of 3 numbers; F and its p.
     let expected = [
@@ -137,13 +145,7 @@ pub(super) fn synthetic(random: &mut Mt64, embryos: usize, truth: &[f64], sd: f6
         units: (0..embryos).map(|unit| unit.to_string()).collect(),
         left_out: LeftOut::Embryo,
         rows: (0..embryos * truth.len()).map(|k| row(k, random)).collect(),
-        others: Vec::new(),
-        unused: Vec::new(),
-        skipped: Vec::new(),
-        skipped_count: 0,
-        of_nuclei: false,
-        embryos: Vec::new(),
-        matched: Vec::new(),
+        ..Observations::default()
     }
 }
 
@@ -230,19 +232,18 @@ fn the_embryos_needed_are_those_of_the_true_difference() {
 #[test]
 fn tables_are_read_by_their_columns_and_refused_with_reasons() {
     let text = "mother,chi\nP0,0.18\nAB,0.01\nQ9,0.2\nMSap,0.1\n";
-    let found = table(text, Chosen::default()).unwrap();
+    let found = table(text);
     assert_eq!(found.cells, ["P0", "AB", "MSap"]);
     assert_eq!((found.left_out, found.units), (LeftOut::Division, vec!["P0".into(), "AB".into(), "MSap".into()]));
     assert_eq!(found.unused, [Unused { cell: "Q9".into(), n: 1, why: "the lineage has no such cell" }]);
     let cells = ["P0".to_owned(), "EMS".to_owned()];
-    let chosen = Chosen { cells: Some(&cells), groups: None };
-    let refusal = table(text, chosen).unwrap_err();
+    let refusal = chosen(text, Chosen { cells: Some(&cells), groups: None }).unwrap_err();
     assert_eq!(refusal, "--cells: cells = \"EMS\": must be measured cells of the lineage: P0, AB, MSap");
-    let refusal = table("mother,chi\nQ9,0.2\n", Chosen::default()).unwrap_err();
+    let refusal = chosen("mother,chi\nQ9,0.2\n", Chosen::default()).unwrap_err();
     let start = "t.csv: mother = none of the lineage: must be at least one measured χ of a cell of Caenorhabditis elegans: P0, AB";
     assert!(refusal.starts_with(start) && refusal.contains("; the table has Q9. --names"), "{refusal}");
     // A part of the rows has errors; no cell was measured twice.
-    let some = table("mother,chi,sd\nP0,0.18,0.02\nAB,0.01,\n", Chosen::default()).unwrap();
+    let some = table("mother,chi,sd\nP0,0.18,0.02\nAB,0.01,\n");
     let refused = |kind| Noise::of(&some, kind, false, ("t.csv", "--noise")).unwrap_err().to_string();
     assert!(refused(None).starts_with("t.csv: chi_sd = 1 of 2 rows: must be given in every row"), "{}", refused(None));
     assert!(refused(Some(NoiseKind::Replicates)).contains("no cell was measured in two embryos"));
@@ -275,7 +276,7 @@ e1,7,P,0,60,40\ne1,8,P,0,55,45\ne1,9,A,B,50,50\ne2,7,A,B,52,48\ne2,9,P,0,58,42\n
 /// A fitted number fits no worse than the one that the lineage gives, however short the search.
 #[test]
 fn a_fitted_number_fits_no_worse_than_the_given_one() {
-    let observations = table(TABLE, Chosen::default()).unwrap();
+    let observations = table(TABLE);
     let given = tested(&observations, None, &["germline"], "none", 1);
     let fitted = tested(&observations, None, &["germline"], "epsilon@P2=0.5..0.95,xi_s@P0,r0", 2);
     assert!(fitted.hypotheses[0].log_likelihood >= given.hypotheses[0].log_likelihood - 1e-9, "{fitted}");
@@ -286,7 +287,7 @@ fn a_fitted_number_fits_no_worse_than_the_given_one() {
 /// its search is.
 #[test]
 fn a_hypothesis_fits_no_worse_than_one_that_it_includes() {
-    let observations = table(TABLE, Chosen::default()).unwrap();
+    let observations = table(TABLE);
     let named = |name: &str, free: &[&str]| Named {
         name: name.to_owned(),
         cue: "germline".to_owned(),
@@ -400,7 +401,7 @@ fn hypotheses_are_read_from_a_file() {
 fn rounds_and_lifetimes_count_beside_chi() {
     let lineage = Lineage::c_elegans().unwrap();
     let given = |observations: Observations, cues: &[&str], free: &str| tested(&observations, None, cues, free, 2);
-    let chi = table("mother,chi,sd\nP0,0.08,0.05\nP1,0.08,0.05\n", Chosen::default()).unwrap();
+    let chi = table("mother,chi,sd\nP0,0.08,0.05\nP1,0.08,0.05\n");
     let alone = given(chi.clone(), &["germline"], "none");
     let rounds = Others::rounds(&lineage, 1.0, "--rounds").unwrap();
     assert_eq!(rounds.len(), 6);
@@ -534,8 +535,7 @@ fn the_cue_that_made_the_data_is_found_at_any_number_of_threads() {
     let truth = "tension:gradient,amplitude=-0.12";
     let cells = ["P0", "P1", "P2", "EMS"];
     let one: String = cells.iter().map(|cell| format!("e,{cell},0.1\n")).collect();
-    let model =
-        tested(&table(&format!("embryo,mother,chi\n{one}"), Chosen::default()).unwrap(), None, &[truth], "none", 1);
+    let model = tested(&table(&format!("embryo,mother,chi\n{one}")), None, &[truth], "none", 1);
     let chi: Vec<(String, f64)> =
         model.hypotheses[0].cells.iter().map(|cell| (cell.cell.clone(), cell.chi.unwrap())).collect();
     let mut random = Mt64::new(2);
@@ -545,7 +545,7 @@ fn the_cue_that_made_the_data_is_found_at_any_number_of_threads() {
             text += &format!("e{embryo},{cell},{}\n", chi + 0.02 * normal(&mut random));
         }
     }
-    let observations = table(&text, Chosen::default()).unwrap();
+    let observations = table(&text);
     let cues = ["none", "band=kappa:band,u0=0.465,omega=0.0577,amplitude=0.1", "right=tension:gradient,amplitude=-0.3"];
     let [found, again] =
         [1, 3].map(|threads| tested(&observations, Some(NoiseKind::Replicates), &cues, "cue.amplitude", threads));
@@ -560,7 +560,7 @@ fn the_cue_that_made_the_data_is_found_at_any_number_of_threads() {
     assert!(found.pairs.iter().all(|pair| pair.distinguishable), "{found}");
     // A table without the embryo gives the same fit, to the accuracy of coarse divisions.
     let others: String = text.lines().filter(|line| !line.starts_with("e0,")).map(|line| format!("{line}\n")).collect();
-    let without = table(&others, Chosen::default()).unwrap();
+    let without = table(&others);
     let without = tested(&without, Some(NoiseKind::Replicates), &cues[2..], "cue.amplitude", 1);
     let chi: Vec<Option<f64>> = without.hypotheses[0].cells.iter().map(|cell| cell.chi).collect();
     let part = left_out(&observations, &noise_of(&observations, NoiseKind::Replicates), 0, &chi);
@@ -569,14 +569,13 @@ fn the_cue_that_made_the_data_is_found_at_any_number_of_threads() {
         "{:?} {part}",
         right.loo_parts
     );
-    let resting =
-        tested(&table("mother,chi\nP0,0.2\nCaaa,0.2\n", Chosen::default()).unwrap(), None, &["none"], "none", 1);
+    let resting = tested(&table("mother,chi\nP0,0.2\nCaaa,0.2\n"), None, &["none"], "none", 1);
     let rests = &resting.hypotheses[0];
     assert_eq!((rests.resting.len(), rests.cells.len()), (1, 2), "{resting}");
     assert!(resting.to_string().contains("Caaa does not divide"), "{resting}");
     // The errors of numbers follow from the cells that divide.
     let text = "mother,chi,sd\nP0,0.17,0.03\nP1,0.14,0.03\nCaaa,0.2,0.05\n";
-    let resting = tested(&table(text, Chosen::default()).unwrap(), None, &cues[2..], "cue.amplitude", 1);
+    let resting = tested(&table(text), None, &cues[2..], "cue.amplitude", 1);
     let rests = &resting.hypotheses[0];
     assert!(
         rests.resting == ["Caaa"] && rests.parameters[0].se.is_some() && rests.loo.unwrap().is_finite(),
@@ -587,7 +586,7 @@ fn the_cue_that_made_the_data_is_found_at_any_number_of_threads() {
 /// One number with small errors: the sample has the fit's mean and standard error, and Laplace's evidence.
 #[test]
 fn a_sample_agrees_with_the_fit_where_that_is_good() {
-    let observations = table("embryo,mother,chi,sd\na,P0,0.165,0.014\nb,P0,0.175,0.014\n", Chosen::default()).unwrap();
+    let observations = table("embryo,mother,chi,sd\na,P0,0.165,0.014\nb,P0,0.175,0.014\n");
     let cues = ["tension:gradient,amplitude=-0.3", "none"];
     let sampling = Some(Sampling { particles: 30, seed: 4 });
     let found = sampled(&observations, None, &cues, "cue.amplitude", (2, sampling));
@@ -628,7 +627,7 @@ fn equal_divisions_are_not_rejected_for_the_errors_of_their_measurement() {
                 text += &format!("e{embryo},{cell},{x},0.03\n");
             }
         }
-        let observations = table(&text, Chosen::default()).unwrap();
+        let observations = table(&text);
         for (kind, rejected) in [NoiseKind::Given, NoiseKind::Replicates].into_iter().zip(&mut rejected) {
             for (folded, rejected) in [false, true].into_iter().zip(rejected) {
                 let noise = Noise::of(&observations, Some(kind), folded, ("t.csv", "--noise")).unwrap();
@@ -645,7 +644,7 @@ fn equal_divisions_are_not_rejected_for_the_errors_of_their_measurement() {
 /// Without a model: a common error leaves ½Γ(n/2)(πΣr²)^(−n/2) of the likelihood.
 #[test]
 fn a_common_error_is_integrated_out() {
-    let observations = table("mother,chi\nP0,0.18\nP1,0.14\nP2,0.3\n", Chosen::default()).unwrap();
+    let observations = table("mother,chi\nP0,0.18\nP1,0.14\nP2,0.3\n");
     let noise = noise_of(&observations, NoiseKind::Common);
     let chi = [0.16, 0.15, 0.25];
     let residuals = residuals(&observations.rows, &chi.map(Some));
@@ -669,7 +668,7 @@ fn a_common_error_is_integrated_out() {
 #[test]
 fn what_is_not_determined_has_no_number() {
     let cues = ["none", "tension:gradient,amplitude=-0.3"];
-    let one = table("mother,chi,sd\nP0,0.17,0.03\n", Chosen::default()).unwrap();
+    let one = table("mother,chi,sd\nP0,0.17,0.03\n");
     let found = tested(&one, None, &cues, "cue.amplitude", 1);
     let [none, gradient] = &found.hypotheses[..] else { panic!("{found:?}") };
     assert_eq!((none.loo, gradient.loo), (Some(none.log_likelihood), None));
@@ -679,7 +678,7 @@ fn what_is_not_determined_has_no_number() {
         text.contains("without P0 the data do not determine its fit") && text.contains(": no test, left out"),
         "{text}"
     );
-    let two = table("mother,chi,sd\nP0,0.17,0.03\nP1,0.14,0.03\n", Chosen::default()).unwrap();
+    let two = table("mother,chi,sd\nP0,0.17,0.03\nP1,0.14,0.03\n");
     let found = tested(&two, None, &cues, "cue.amplitude", 1);
     let [none, gradient] = &found.hypotheses[..] else { panic!("{found:?}") };
     assert!(none.aicc.is_some() && gradient.aicc.is_none() && none.weight.is_none() && none.delta_aicc.is_none());
@@ -688,7 +687,7 @@ fn what_is_not_determined_has_no_number() {
         "{found}"
     );
     let constant: String = (0..3).map(|e| format!("e{e},P0,0.17\ne{e},P1,0.14\n")).collect();
-    let constant = table(&format!("embryo,mother,chi\n{constant}"), Chosen::default()).unwrap();
+    let constant = table(&format!("embryo,mother,chi\n{constant}"));
     let refusal =
         Noise::of(&constant, Some(NoiseKind::Replicates), false, ("t.csv", "--noise")).unwrap_err().to_string();
     assert_eq!(refusal, "--noise: noise = replicates: must be given or common: no cell differs between embryos");

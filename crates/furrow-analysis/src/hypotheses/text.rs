@@ -75,8 +75,8 @@ impl Display for HypothesisTest {
             write!(f, "\n{tested}")?;
         }
         if let Some(first) = hypotheses.first() {
-            write!(f, "\n{}", CellsTable { hypotheses, cells: &first.cells })?;
-            (0..first.others.len()).try_for_each(|k| write!(f, "\n{}", OthersTable { hypotheses, k }))?;
+            write_cells(f, hypotheses, &first.cells)?;
+            (0..first.others.len()).try_for_each(|k| write_others(f, hypotheses, k))?;
         }
         for pair in pairs {
             write!(f, "\n{pair}")?;
@@ -247,64 +247,49 @@ impl Display for Pair {
 }
 
 /// The cells with χ of each hypothesis.
-struct CellsTable<'a> {
-    hypotheses: &'a [TestedHypothesis],
-    cells: &'a [CellScore],
-}
-
-impl Display for CellsTable<'_> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let wide = self.hypotheses.iter().map(|tested| tested.name.chars().count().max(6)).collect::<Vec<_>>();
-        write!(f, "{:<10}   n   χ measured      ", "cell")?;
-        for (tested, wide) in self.hypotheses.iter().zip(&wide) {
-            write!(f, "  {:>wide$}", tested.name)?;
+fn write_cells(f: &mut Formatter<'_>, hypotheses: &[TestedHypothesis], cells: &[CellScore]) -> Result {
+    let width = |tested: &TestedHypothesis| tested.name.chars().count().max(6);
+    write!(f, "\n{:<10}   n   χ measured      ", "cell")?;
+    for tested in hypotheses {
+        write!(f, "  {:>wide$}", tested.name, wide = width(tested))?;
+    }
+    writeln!(f)?;
+    for (k, CellScore { cell, n, measured, sd, .. }) in cells.iter().enumerate() {
+        let spread = sd.map_or(String::new(), |sd| format!(" ± {sd:.3}"));
+        write!(f, "{cell:<10} {n:>3}   {measured:.3}{spread:<10}")?;
+        for tested in hypotheses {
+            let chi = tested.cells[k].chi.map_or("rests".to_owned(), |chi| format!("{chi:.3}"));
+            write!(f, "  {chi:>wide$}", wide = width(tested))?;
         }
         writeln!(f)?;
-        for (k, CellScore { cell, n, measured, sd, .. }) in self.cells.iter().enumerate() {
-            let spread = sd.map_or(String::new(), |sd| format!(" ± {sd:.3}"));
-            write!(f, "{cell:<10} {n:>3}   {measured:.3}{spread:<10}")?;
-            for (tested, wide) in self.hypotheses.iter().zip(&wide) {
-                write!(f, "  {:>wide$}", tested.cells[k].chi.map_or("rests".to_owned(), |chi| format!("{chi:.3}")))?;
-            }
-            writeln!(f)?;
-        }
-        Ok(())
     }
+    Ok(())
 }
 
 /// Rounds or lifetimes as observed and in each hypothesis, with the log likelihoods of each hypothesis.
-struct OthersTable<'a> {
-    hypotheses: &'a [TestedHypothesis],
-    k: usize,
-}
-
-impl Display for OthersTable<'_> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let of = |tested: &'_ TestedHypothesis| tested.others[self.k].clone();
-        let all: Vec<(usize, OthersScore)> =
-            self.hypotheses.iter().map(|tested| (tested.name.chars().count().max(8), of(tested))).collect();
-        let Some((_, OthersScore { quantity, rows, .. })) = all.first() else { return Ok(()) };
-        write!(f, "{:<10}   n  observed", quantity.name())?;
-        for (tested, (wide, _)) in self.hypotheses.iter().zip(&all) {
-            write!(f, "  {:>wide$}", tested.name)?;
-        }
-        for (row, OtherScore { name, n, observed, .. }) in rows.iter().enumerate() {
-            write!(f, "\n{name:<10} {n:>3}  {observed:>8.2}")?;
-            for (wide, scores) in &all {
-                let OtherScore { model, resting, .. } = &scores.rows[row];
-                let rests = if *resting > 0 { format!("{resting} rest ") } else { String::new() };
-                write!(f, "  {:>wide$}", format!("{rests}{}", or_dash(*model, 2)))?;
-            }
-        }
-        for (what, of) in [
-            ("log L", (|scores| scores.log_likelihood) as fn(&OthersScore) -> f64),
-            ("left out", |scores| scores.left_out),
-        ] {
-            write!(f, "\n{what:<24}")?;
-            for (wide, scores) in &all {
-                write!(f, "  {:>wide$.2}", of(scores))?;
-            }
-        }
-        writeln!(f)
+fn write_others(f: &mut Formatter<'_>, hypotheses: &[TestedHypothesis], k: usize) -> Result {
+    let all: Vec<(usize, &OthersScore)> =
+        hypotheses.iter().map(|tested| (tested.name.chars().count().max(8), &tested.others[k])).collect();
+    let Some((_, OthersScore { quantity, rows, .. })) = all.first() else { return Ok(()) };
+    write!(f, "\n{:<10}   n  observed", quantity.name())?;
+    for (tested, (wide, _)) in hypotheses.iter().zip(&all) {
+        write!(f, "  {:>wide$}", tested.name)?;
     }
+    for (row, OtherScore { name, n, observed, .. }) in rows.iter().enumerate() {
+        write!(f, "\n{name:<10} {n:>3}  {observed:>8.2}")?;
+        for (wide, scores) in &all {
+            let OtherScore { model, resting, .. } = &scores.rows[row];
+            let rests = if *resting > 0 { format!("{resting} rest ") } else { String::new() };
+            write!(f, "  {:>wide$}", format!("{rests}{}", or_dash(*model, 2)))?;
+        }
+    }
+    for (what, of) in
+        [("log L", (|scores| scores.log_likelihood) as fn(&OthersScore) -> f64), ("left out", |scores| scores.left_out)]
+    {
+        write!(f, "\n{what:<24}")?;
+        for (wide, scores) in &all {
+            write!(f, "  {:>wide$.2}", of(scores))?;
+        }
+    }
+    writeln!(f)
 }

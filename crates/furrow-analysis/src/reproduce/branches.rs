@@ -7,6 +7,7 @@ use crate::diagram::{Diagram, diagram};
 use furrow_cell::Cell;
 use furrow_lineage::batch::phase::spaced;
 use furrow_lineage::batch::scheduler;
+use furrow_measured::statistics::distinct;
 use furrow_mechanics::calibration::statements::HigherFold;
 use furrow_mechanics::division::Outcome;
 use furrow_mechanics::equilibria::{Branch, BranchOptions, ShapePoint};
@@ -23,12 +24,7 @@ pub fn shapes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let checked = |statement: &'_ Statement| Some((figure.cell_of(statement), statement.check?));
     let of = |statement| checked(statement).map(|(cell, check)| (statement, cell, check));
     let statements: Vec<(&Statement, Cell, Check)> = figure.statements.iter().filter_map(of).collect();
-    let mut cells: Vec<Cell> = Vec::new();
-    for (_, cell, _) in &statements {
-        if !cells.contains(cell) {
-            cells.push(cell.clone());
-        }
-    }
+    let cells = distinct(statements.iter().map(|(_, cell, _)| cell.clone()));
     let options = BranchOptions { xi: [0.0, XI_MAX], growth_rates: true, contours: true, ..BranchOptions::default() };
     let (options, numerics) = (options.with_max_step(STEP), figure.context.converged());
     let pool = scheduler::pool(figure.context.threads)?;

@@ -10,7 +10,7 @@ use furrow_lineage::batch::{critical_radii, solve};
 use furrow_lineage::{EndRule, Grower, Lineage, Thresholds, Tree, TreeCell, founder_rounds};
 use furrow_measured::events::Division as Measured;
 use furrow_measured::published::{SOURCE, jankele2021_divisions};
-use furrow_measured::statistics::{mean, rank_sum};
+use furrow_measured::statistics::{grouped, mean, rank_sum};
 use furrow_mechanics::division::Outcome;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -110,15 +110,14 @@ pub fn descent(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     Ok(())
 }
 
-/// Values by decades of volume in µm³.
-type Decades = BTreeMap<i32, Vec<f64>>;
-
 /// The fewest divisions of a decade that are compared with others.
 const ENOUGH: usize = 5;
 
-/// Whether means fall from each decade with enough divisions to the next larger one, in words, and p that χ is larger in the
-/// smaller one.
-fn falls(decades: &Decades) -> (bool, String, String) {
+/// Whether means of χ fall from each decade of the volume in µm³ with enough divisions to the next larger one, in words, and p that χ is
+/// larger in the smaller one. Divisions are volumes and χ.
+fn falls(divisions: impl Iterator<Item = (f64, f64)>) -> (bool, String, String) {
+    let decades = grouped(divisions.map(|(volume, chi)| (volume.log10().floor() as i32, chi)));
+    let decades: BTreeMap<i32, Vec<f64>> = decades.into_iter().collect();
     let enough: Vec<&Vec<f64>> = decades.values().filter(|chi| chi.len() >= ENOUGH).collect();
     let falls = enough.len() > 1 && enough.windows(2).all(|pair| mean(pair[1]) < mean(pair[0]));
     let named = decades.iter().map(|(decade, chi)| {
@@ -133,22 +132,14 @@ fn falls(decades: &Decades) -> (bool, String, String) {
 /// Figure 5B: χ over the mother's volume, of the model and as measured.
 pub fn volumes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let tree = grow(figure, &Lineage::c_elegans()?)?;
-    let mut decades = Decades::new();
-    for cell in tree.cells().map(|id| tree.cell(id)).filter(|cell| cell.cue.is_none()) {
-        if let Some(chi) = cell.fate.chi() {
-            let decade = (ZYGOTE_VOLUME * cell.volume_fraction).log10().floor() as i32;
-            decades.entry(decade).or_default().push(chi);
-        }
-    }
-    let (holds, text, tests) = falls(&decades);
+    let cells = tree.cells().map(|id| tree.cell(id)).filter(|cell| cell.cue.is_none());
+    let modelled = cells.filter_map(|cell| Some((ZYGOTE_VOLUME * cell.volume_fraction, cell.fate.chi()?)));
+    let (holds, text, tests) = falls(modelled);
     let note = format!("volumes by P0's 20,890 µm³; {tests}");
     figure.findings.push(Finding::judged("volume_trend", (holds, text)).noting(note));
     let (table, divisions) = measured(figure)?;
-    let mut decades = Decades::new();
-    for division in divisions.iter().filter(|division| !OF_GERMLINE.contains(&division.mother.as_str())) {
-        decades.entry(division.mother_volume().log10().floor() as i32).or_default().push(division.chi());
-    }
-    let (holds, text, tests) = falls(&decades);
+    let somatic = divisions.iter().filter(|division| !OF_GERMLINE.contains(&division.mother.as_str()));
+    let (holds, text, tests) = falls(somatic.map(|division| (division.mother_volume(), division.chi())));
     figure.findings.push(Finding::judged("volume_decades", (holds, text)).noting(format!("{table}; {tests}")));
     Ok(())
 }

@@ -51,10 +51,20 @@ impl Format {
     }
 }
 
-/// Pixels in a printed metre, with `density` pixels for each unit of the canvas.
-pub(crate) fn resolution(density: f32) -> png::PixelDimensions {
+/// An encoder of PNGs that records the size in print, with `density` pixels for each unit of the canvas.
+pub(crate) fn encoder(out: &mut Vec<u8>, [width, height]: [u32; 2], density: f32) -> png::Encoder<'_, &mut Vec<u8>> {
     let metre = (density * INCH / 0.0254).round() as u32;
-    png::PixelDimensions { xppu: metre, yppu: metre, unit: png::Unit::Meter }
+    let mut encoder = png::Encoder::new(out, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: metre, yppu: metre, unit: png::Unit::Meter }));
+    encoder
+}
+
+/// Pixels as a PNG.
+pub(crate) fn png(pixels: &[u8], size: [u32; 2], density: f32) -> Result<Vec<u8>, FigureError> {
+    let mut bytes = Vec::new();
+    encoder(&mut bytes, size, density).write_header()?.write_image_data(pixels)?;
+    Ok(bytes)
 }
 
 /// The extension of a file, in lower case.
@@ -72,13 +82,8 @@ impl Canvas {
             Format::Svg => Ok(self.svg().into_bytes()),
             Format::Pdf => self.pdf().ok_or(FigureError::Size(self.size)),
             Format::Png => {
-                let (pixels, [width, height]) = self.pixels(DENSITY).ok_or(FigureError::Size(self.size))?;
-                let mut bytes = Vec::new();
-                let mut encoder = png::Encoder::new(&mut bytes, width, height);
-                encoder.set_color(png::ColorType::Rgb);
-                encoder.set_pixel_dims(Some(resolution(DENSITY)));
-                encoder.write_header()?.write_image_data(&pixels)?;
-                Ok(bytes)
+                let (pixels, size) = self.pixels(DENSITY).ok_or(FigureError::Size(self.size))?;
+                png(&pixels, size, DENSITY)
             }
         }
     }

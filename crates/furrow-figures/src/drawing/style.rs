@@ -187,30 +187,37 @@ pub fn time(t: f64) -> String {
     }
 }
 
+/// The symbol of a parameter of the cell, and the label of its axis; `None` for numbers of a cue, a regulator or a law.
+fn of_cell(parameter: Parameter) -> Option<[&'static str; 2]> {
+    Some(match parameter {
+        Parameter::R0 => ["R₀", "radius R₀ (Lₕ)"],
+        Parameter::Epsilon => ["ε", "volume fraction ε"],
+        Parameter::XiS => ["ξₛ", ACTIVITY],
+        Parameter::XiRatio => ["isotropic activity", "isotropic over anisotropic activity"],
+        Parameter::Aspect => ["a/b", "shell, a/b"],
+        Parameter::W => ["w", "shell width w"],
+        Parameter::Flattening => ["thickness", "thickness of the shell"],
+        Parameter::P0 => ["p₀", "shell strength p₀"],
+        Parameter::Gain => ["g", "gain g"],
+        Parameter::Kappa => ["κ", "rigidity κ (κ₀)"],
+        Parameter::EtaB => ["bulk viscosity"; 2],
+        Parameter::EtaS => ["shear viscosity"; 2],
+        Parameter::Friction => ["Γ", "friction Γ"],
+        Parameter::Tension => ["γ", "tension γ (κ₀/Lₕ²)"],
+        Parameter::SpontaneousCurvature => ["C₀", "spontaneous curvature C₀ (1/Lₕ)"],
+        Parameter::NormalFriction => ["Γₙ", "normal friction Γₙ"],
+        Parameter::Cue { .. } | Parameter::Regulator(_) | Parameter::Law(_) => return None,
+    })
+}
+
 /// The label of a parameter's axis, with its unit; a number of a cue is described by its term in `cue`.
 pub fn parameter(parameter: Parameter, cue: &Cue) -> String {
-    let name = match parameter {
-        Parameter::R0 => "radius R₀ (Lₕ)",
-        Parameter::Epsilon => "volume fraction ε",
-        Parameter::XiS => ACTIVITY,
-        Parameter::XiRatio => "isotropic over anisotropic activity",
-        Parameter::Aspect => "shell, a/b",
-        Parameter::W => "shell width w",
-        Parameter::Flattening => "thickness of the shell",
-        Parameter::P0 => "shell strength p₀",
-        Parameter::Gain => "gain g",
-        Parameter::Kappa => "rigidity κ (κ₀)",
-        Parameter::EtaB => "bulk viscosity",
-        Parameter::EtaS => "shear viscosity",
-        Parameter::Friction => "friction Γ",
-        Parameter::Tension => "tension γ (κ₀/Lₕ²)",
-        Parameter::SpontaneousCurvature => "spontaneous curvature C₀ (1/Lₕ)",
-        Parameter::NormalFriction => "normal friction Γₙ",
-        Parameter::Cue { term, quantity } => return of_cue(term, quantity, cue),
-        Parameter::Regulator(quantity) => return of_regulator(quantity, cue),
-        Parameter::Law(name) => return format!("{} of the law", name.bare()),
-    };
-    name.to_owned()
+    match parameter {
+        Parameter::Cue { term, quantity } => of_cue(term, quantity, cue),
+        Parameter::Regulator(quantity) => of_regulator(quantity, cue),
+        Parameter::Law(name) => format!("{} of the law", name.bare()),
+        own => of_cell(own).map_or("", |[_, label]| label).to_owned(),
+    }
 }
 
 /// The label of the axis of a number of a cue's term, with the kind of the term and the unit in brackets.
@@ -264,21 +271,6 @@ fn of_regulator(quantity: RegulatorQuantity, cue: &Cue) -> String {
 /// The symbol of a parameter, for use beside its value.
 pub fn symbol(parameter: Parameter) -> String {
     let sign = match parameter {
-        Parameter::R0 => "R₀",
-        Parameter::Epsilon => "ε",
-        Parameter::XiS => "ξₛ",
-        Parameter::Aspect => "a/b",
-        Parameter::P0 => "p₀",
-        Parameter::Gain => "g",
-        Parameter::Kappa => "κ",
-        Parameter::Friction => "Γ",
-        Parameter::Tension => "γ",
-        Parameter::SpontaneousCurvature => "C₀",
-        Parameter::NormalFriction => "Γₙ",
-        Parameter::EtaB => "bulk viscosity",
-        Parameter::EtaS => "shear viscosity",
-        Parameter::XiRatio => "isotropic activity",
-        Parameter::Flattening => "thickness",
         Parameter::Regulator(RegulatorQuantity::Turnover) => "k",
         Parameter::Regulator(RegulatorQuantity::Diffusion) => "D",
         Parameter::Cue { quantity, .. } | Parameter::Regulator(RegulatorQuantity::Source(quantity)) => match quantity {
@@ -290,7 +282,7 @@ pub fn symbol(parameter: Parameter) -> String {
         Parameter::Regulator(RegulatorQuantity::Strength(on)) => return format!("coupling to {}", field(on)),
         Parameter::Regulator(RegulatorQuantity::Half(on)) => return format!("half-saturation of {}", field(on)),
         Parameter::Law(name) => name.bare(),
-        Parameter::W => "w",
+        own => of_cell(own).map_or("", |[symbol, _]| symbol),
     };
     sign.to_owned()
 }

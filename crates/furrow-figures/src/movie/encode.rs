@@ -8,7 +8,7 @@ use super::palette::Palette;
 use super::picture::{Frame, SIZE, Stage};
 use super::raster::Window;
 use super::scene::Scene;
-use crate::drawing::format::{extension, resolution};
+use crate::drawing::format::{self, extension};
 use crate::drawing::{FigureError, svg};
 
 /// Time for which a frame is shown, in hundredths of a second, and for which the last is shown.
@@ -62,16 +62,7 @@ pub fn bytes(scene: &Scene<'_>, format: MovieFormat, shown: &dyn Fn(usize, usize
 /// The frame of a scene at a time as a PNG.
 pub fn png(scene: &Scene<'_>, t: f64, density: f64) -> Result<Vec<u8>, FigureError> {
     let (pixels, size) = Stage::new(scene, density)?.frame(t)?.pixels()?;
-    let mut bytes = Vec::new();
-    encoder(&mut bytes, size, density).write_header()?.write_image_data(&pixels)?;
-    Ok(bytes)
-}
-
-fn encoder(out: &mut Vec<u8>, [width, height]: [u32; 2], density: f64) -> png::Encoder<'_, &mut Vec<u8>> {
-    let mut encoder = png::Encoder::new(out, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_pixel_dims(Some(resolution(density as f32)));
-    encoder
+    format::png(&pixels, size, density as f32)
 }
 
 /// How long frame k is shown, in hundredths of a second.
@@ -142,7 +133,7 @@ fn apng(stage: &Stage<'_, '_>, counted: &dyn Fn(usize)) -> Result<Vec<u8>, Figur
     let times = &stage.scene.times;
     let [width, height] = SIZE.map(|length| length as usize);
     let mut out = Vec::new();
-    let mut encoder = encoder(&mut out, [width as u32, height as u32], 1.0);
+    let mut encoder = format::encoder(&mut out, [width as u32, height as u32], 1.0);
     encoder.set_animated(times.len() as u32, 0)?;
     let mut writer = encoder.write_header()?;
     let mut before: Vec<u8> = Vec::new();

@@ -1,7 +1,7 @@
 //! Size asymmetries of measured divisions beside the model's: by mother, and over the mother's volume.
 
 use furrow_measured::events::Division;
-use furrow_measured::statistics::BoxPlot;
+use furrow_measured::statistics::{BoxPlot, distinct};
 use furrow_measured::trend::{VolumeBin, adjacent_tests};
 
 use crate::drawing::legend::{Key, Legend, Marker, point, titled};
@@ -42,12 +42,8 @@ pub struct Comparison<'a> {
 pub fn draw(comparison: &Comparison<'_>) -> Canvas {
     let Comparison { groups, divisions, .. } = *comparison;
     // In order of first appearance.
-    let mut mothers: Vec<String> = Vec::new();
-    for event in groups.iter().flat_map(|group| &group.events) {
-        if !mothers.contains(&event.measured.mother) {
-            mothers.push(event.measured.mother.clone());
-        }
-    }
+    let events = || groups.iter().flat_map(|group| &group.events);
+    let mothers: Vec<String> = distinct(events().map(|event| event.measured.mother.clone()));
     let longest = mothers.iter().map(|mother| font::width(mother, style::text::TICK)).fold(0.0, f64::max);
     let each = (30.0 + 24.0 * groups.len() as f64).max(longest + 14.0);
     // The number of mothers in a row is limited to keep the text readable.
@@ -58,7 +54,7 @@ pub fn draw(comparison: &Comparison<'_>) -> Canvas {
     let charts = height * rows as f64 + if divisions.is_empty() { 0.0 } else { CHARTS[1] };
     let title = "Size asymmetry of divisions, by mother";
     let (mut canvas, top) = titled(width, charts, title, &legend(comparison));
-    let most = groups.iter().flat_map(|group| &group.events).map(highest).fold(0.3, f64::max);
+    let most = events().map(highest).fold(0.3, f64::max);
     for (k, row) in mothers.chunks(in_row).enumerate() {
         let label = if k + 1 == rows { "mother" } else { "" };
         let mut x = Axis::names(label, row.to_vec(), false);

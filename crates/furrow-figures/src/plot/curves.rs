@@ -5,6 +5,7 @@ use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart};
 use crate::drawing::style::{self, Colour, text};
 use crate::drawing::{Anchor, Canvas, Label, Stroke};
+use furrow_measured::statistics::distinct;
 
 const WIDTH: f64 = 1000.0;
 /// Height of the chart.
@@ -67,12 +68,7 @@ pub fn draw(curves: &Curves) -> Canvas {
 /// Draws several below one another, with the title of the first and one legend: a curve has the same colour everywhere. `notes` are further
 /// entries of the legend, for dashes, discs and rings.
 pub fn stack(panels: &[Curves], notes: &[(Note, &str)]) -> Canvas {
-    let mut names: Vec<&str> = Vec::new();
-    for one in panels.iter().flat_map(|panel| &panel.series) {
-        if !names.contains(&one.name.as_str()) {
-            names.push(&one.name);
-        }
-    }
+    let names = distinct(panels.iter().flat_map(|panel| &panel.series).map(|one| one.name.as_str()));
     let colour = |name: &str| -> Colour {
         let place = names.iter().position(|of| *of == name).unwrap_or_default();
         style::SERIES[place % style::SERIES.len()]

@@ -8,6 +8,7 @@ use crate::drawing::{Anchor, Canvas, Label, Stroke, font};
 use furrow_analysis::compare::departure::{Departure, LastDivision, OverTime};
 use furrow_analysis::compare::lifetimes::{CellComparison, LifetimesComparison};
 use furrow_measured::lifetimes::CellsOverTime;
+use furrow_measured::statistics::distinct;
 use furrow_measured::volumes::Unit;
 use ordered_float::OrderedFloat;
 
@@ -19,7 +20,7 @@ const BEYOND: f64 = 2.5;
 
 /// Draws a table of lifetimes beside a tree; `unit` is the unit of volume.
 pub fn draw(found: &LifetimesComparison, unit: Option<Unit>) -> Canvas {
-    let founders = founders(&found.cells);
+    let founders = coloured(&distinct(found.cells.iter().map(|cell| cell.measured.founder.as_str())));
     let entry = |(name, colour): &(String, Colour)| (Key::Point(*colour, Marker::Disc), format!("{name}, measured"));
     let (alive, any_birth) = (found.over_time.as_ref(), found.over_time.is_some());
     let legend = Legend::default()
@@ -44,17 +45,6 @@ pub fn draw(found: &LifetimesComparison, unit: Option<Unit>) -> Canvas {
         numbers(&mut canvas, [0.0, top + above], alive, found.departure.as_ref());
     }
     canvas
-}
-
-/// The measured founders with their colours.
-fn founders(cells: &[CellComparison]) -> Vec<(String, Colour)> {
-    let mut names: Vec<&str> = Vec::new();
-    for cell in cells {
-        if !names.contains(&cell.measured.founder.as_str()) {
-            names.push(&cell.measured.founder);
-        }
-    }
-    coloured(&names)
 }
 
 /// Founders with their colours: the germline in greys from dark to light, as in drawings of trees.
@@ -165,11 +155,8 @@ fn numbers(canvas: &mut Canvas, at: [f64; 2], over_time: &OverTime, departure: O
         marks.push((leaves.min, words, style::ASYMMETRIC));
     }
     for (min, names) in joined(last_divisions).into_iter().filter(|(min, _)| *min <= range[1]) {
-        let top = chart.at([min, 1.0])[1];
-        chart.canvas.polyline(
-            &[[chart.at([min, 1.0])[0], top], [chart.at([min, 1.0])[0], top - 12.0]],
-            Stroke::solid(style::MODEL, 2.4),
-        );
+        let [x, bottom] = chart.at([min, 1.0]);
+        chart.canvas.polyline(&[[x, bottom], [x, bottom - 12.0]], Stroke::solid(style::MODEL, 2.4));
         marks.push((min, format!("last of {names}"), style::MODEL));
     }
     if let Some(model) = model {

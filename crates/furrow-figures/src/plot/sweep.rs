@@ -10,6 +10,7 @@ use crate::drawing::style::{self, Colour};
 use crate::drawing::{Anchor, Canvas, Label, Stroke, font, scale};
 use furrow_analysis::{self as study, AxisValue, Kind, Row, Sweep, Target};
 use furrow_cell::{Cell, Cue, Parameter};
+use furrow_measured::statistics;
 use furrow_mechanics::division::Outcome;
 
 const WIDTH: f64 = 1000.0;
@@ -295,14 +296,8 @@ impl Layout {
 
 /// The points grouped by the values of some axes; one group without an axis.
 fn grouped<'a>(sweep: &Sweep, points: &'a [Point], by: &[usize]) -> Vec<Group<'a>> {
-    let mut found: Vec<(Vec<usize>, Vec<&Point>)> = Vec::new();
-    for point in points {
-        let key: Vec<usize> = by.iter().filter_map(|k| point.places.get(*k).copied()).collect();
-        match found.iter_mut().find(|(known, _)| *known == key) {
-            Some((_, members)) => members.push(point),
-            None => found.push((key, vec![point])),
-        }
-    }
+    let key = |point: &Point| -> Vec<usize> { by.iter().filter_map(|k| point.places.get(*k).copied()).collect() };
+    let found = statistics::grouped(points.iter().map(|point| (key(point), point)));
     let count = found.len();
     // Ordered values have ordered colours.
     let ordered = by.len() == 1 && numbers(sweep, by[0]).is_some();

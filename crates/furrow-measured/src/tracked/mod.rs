@@ -72,7 +72,7 @@ pub enum TimeUnit {
 }
 
 /// A cell, from its birth to its division.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct TrackedCell {
     /// Its name in Sulston's lineage or one that it is matched to, or else its first spot's name.
     pub name: String,

@@ -59,13 +59,16 @@ pub(super) fn format_of(columns: &[&str]) -> Option<Format> {
 
 /// Whether a file has the links beside a table of spots: that table is read, and its links with it.
 pub(super) fn is_of_links(path: &Path) -> bool {
-    let name = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-    let spots = |(spots, links): &(&str, &str)| {
-        let at = name.rfind(links)?;
-        Some(path.with_file_name(format!("{}{spots}{}", &name[..at], &name[at + links.len()..])))
-    };
     let words = TRACKMATE.words.iter().chain(MASTODON.words);
-    words.filter_map(spots).any(|other| other != path && other.is_file())
+    let mut spots = words.filter_map(|(spots, links)| Some(path.with_file_name(renamed(path, links, spots)?)));
+    spots.any(|other| other != path && other.is_file())
+}
+
+/// The name of a file with another word in place of the last one of these; `None` if it has none.
+fn renamed(path: &Path, word: &str, other: &str) -> Option<String> {
+    let name = path.file_name()?.to_string_lossy();
+    let at = name.rfind(word)?;
+    Some(format!("{}{other}{}", &name[..at], &name[at + word.len()..]))
 }
 
 pub(super) fn read(path: &Path, format: Format, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
@@ -89,12 +92,7 @@ pub(super) fn read(path: &Path, format: Format, options: &TrackOptions) -> Resul
 
 /// The table of links beside the table of spots, and the names under which it may lie there.
 fn links_beside(path: &Path, layout: &Layout) -> (Option<PathBuf>, Vec<String>) {
-    let name = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-    let renamed = |(spots, links): &(&str, &str)| {
-        let at = name.rfind(spots)?;
-        Some(format!("{}{links}{}", &name[..at], &name[at + spots.len()..]))
-    };
-    let mut tried: Vec<String> = layout.words.iter().filter_map(renamed).collect();
+    let mut tried: Vec<String> = layout.words.iter().filter_map(|(spots, links)| renamed(path, spots, links)).collect();
     tried.dedup();
     let found = tried.iter().map(|name| path.with_file_name(name)).find(|path| path.is_file());
     if tried.is_empty() {

@@ -101,15 +101,12 @@ impl Spots {
             let (a, b, time) = (name(a), name(b), self.spots[a].time);
             return refused(format!("a link from {a} to {b}, both at time {time}: links must lead to a later time"));
         }
-        if self.previous[to] == Some(from) {
-            let why = format!("a second link from {} to {}: it is used once", name(from), name(to));
-            let value = self.spots[to].name.clone();
-            self.skip(file, line, "link", &value, why);
-            return Ok(());
-        }
         let value = self.spots[to].name.clone();
         let free = self.next[from].iter().position(Option::is_none);
-        match (self.previous[to], free) {
+        let why = match (self.previous[to], free) {
+            (Some(before), _) if before == from => {
+                format!("a second link from {} to {}: it is used once", name(from), name(to))
+            }
             (None, Some(place)) if !self.merged.contains(&to) && !self.shattered.contains(&from) => {
                 self.next[from][place] = Some(to);
                 self.previous[to] = Some(from);
@@ -117,23 +114,23 @@ impl Spots {
             }
             (Some(other), _) => {
                 let why = format!("it comes from {} and from {}: it is left without a mother", name(other), name(from));
-                self.skip(file, line, "link", &value, why);
                 self.merged.insert(to);
                 self.parted.extend([other, from]);
                 self.unlink(to);
+                why
             }
             (None, None) => {
                 let why = format!("a third link from {}: this cell is left without daughters", name(from));
-                self.skip(file, line, "link", &value, why);
                 self.shattered.insert(from);
                 self.next[from].into_iter().flatten().for_each(|daughter| self.unlink(daughter));
+                why
             }
             _ => {
-                let why = format!("one more link from {}: links of this cell contradict each other", name(from));
-                self.skip(file, line, "link", &value, why);
                 self.parted.insert(from);
+                format!("one more link from {}: links of this cell contradict each other", self.shown(from))
             }
-        }
+        };
+        self.skip(file, line, "link", &value, why);
         Ok(())
     }
 
@@ -313,13 +310,10 @@ impl Spots {
             name: name.clone(),
             tracked: name.clone(),
             mother,
-            daughters: Vec::new(),
             birth: *time,
-            division: None,
             last: *time,
-            volume: None,
-            sizes: 0,
             place: (self.files[*file].clone(), *line),
+            ..TrackedCell::default()
         });
         index
     }

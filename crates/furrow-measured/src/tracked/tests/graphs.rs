@@ -36,11 +36,14 @@ fn trackmate(spots: &str, edges: &str) -> (TempDir, PathBuf) {
     (folder, path)
 }
 
+fn of_trackmate(spots: &str, edges: &str) -> TrackedLineage {
+    tracked(&trackmate(spots, edges).1)
+}
+
 #[test]
 fn trackmate_and_mastodon_give_the_same_cells() {
     // One edge leads backwards in time, as TrackMate may write it.
-    let (_folder, path) = trackmate(TRACKMATE_SPOTS, &trackmate_edges(&EDGES));
-    let lineage = tracked(&path);
+    let lineage = of_trackmate(TRACKMATE_SPOTS, &trackmate_edges(&EDGES));
     assert_eq!((lineage.format, lineage.volumes), (Format::TrackMate, Unit::CubicMicrometres));
     assert_eq!(lives(&lineage), LIVES);
     assert!((lineage.cells[0].volume.unwrap() - 33_510.321_638_291_13).abs() < 1e-9);
@@ -107,8 +110,7 @@ fn unusable_and_repeated_spots_and_links_are_left_out() {
 #[test]
 fn single_spots_push_out_no_cell() {
     let stray = "AB,30,,1,1,1,1,60,1,9,1\n,31,,1,1,1,1,60,1,9,1\n";
-    let (_folder, path) = trackmate(&(TRACKMATE_SPOTS.to_owned() + stray), &trackmate_edges(&EDGES));
-    let lineage = tracked(&path);
+    let lineage = of_trackmate(&(TRACKMATE_SPOTS.to_owned() + stray), &trackmate_edges(&EDGES));
     assert_eq!(lives(&lineage), LIVES);
     assert_eq!(reports(&lineage), ["15 ID 2: spots that belong to no track; the first is on this line"]);
     assert_eq!((lineage.place_of("30"), lineage.place_of("AB")), (Place::Nowhere, Place::Cell(1)));
@@ -147,19 +149,16 @@ fn wrong_spots_and_links_are_refused_with_their_place() {
     // Without a heading that it knows a table is of no program, and without radii cells have no size.
     let (_folder, path) = trackmate(&spots("FRAME", "FRAMES"), &fine);
     assert!(read_tracked(&path, &TrackOptions::default()).unwrap().is_none());
-    let (_folder, path) = trackmate(&spots(",RADIUS", ",FRAMEX"), &fine);
-    assert!(tracked(&path).cells[0].volume.is_none());
+    assert!(of_trackmate(&spots(",RADIUS", ",FRAMEX"), &fine).cells[0].volume.is_none());
     let none = TRACKMATE_SPOTS.lines().take(4).collect::<Vec<_>>().join("\n");
     let (_folder, path) = trackmate(&none, &fine);
     assert!(refused(&path).contains("must be the ID of a spot"));
-    let (_folder, path) = file("film_spots.csv", TRACKMATE_SPOTS);
-    let error = refused(&path);
+    let error = refusal("film_spots.csv", TRACKMATE_SPOTS);
     assert!(
         error.contains("links = none: must be beside a table of links (film_edges.csv or film_links.csv)"),
         "{error}"
     );
-    let (_folder, path) = trackmate(&spots("180,3,15", "180,3,0"), &fine);
-    let skipped = &tracked(&path).skipped[0];
+    let skipped = &of_trackmate(&spots("180,3,15", "180,3,0"), &fine).skipped[0];
     assert_eq!((skipped.line, skipped.column.as_str(), skipped.value.as_str()), (7, "RADIUS", "0"));
 }
 
@@ -169,8 +168,7 @@ fn spots_with_decimal_commas_are_those_with_points() {
     let written = |table: &str| table.replace(',', ";").replace('\n', ";\n");
     let spots = |sign: char| written(TRACKMATE_SPOTS).replace(";15;1;", &format!(";15{sign}5;1;"));
     let volumes = [',', '.'].map(|sign| {
-        let (_folder, path) = trackmate(&spots(sign), &written(&trackmate_edges(&EDGES)));
-        let lineage = tracked(&path);
+        let lineage = of_trackmate(&spots(sign), &written(&trackmate_edges(&EDGES)));
         assert_eq!((lives(&lineage), lineage.skipped_count), (LIVES.to_vec(), 0));
         lineage.cells.iter().map(|cell| cell.volume).collect::<Vec<_>>()
     });
@@ -206,8 +204,7 @@ fn merges_and_triple_splits_cost_the_cell() {
     assert!(why[0].starts_with("14 P1: it comes from \"P1\""), "{why:?}");
     assert_eq!(lives.len(), 6);
     let edges: Vec<(u32, u32)> = EDGES.iter().copied().filter(|edge| *edge != (13, 15)).chain([(14, 15)]).collect();
-    let (_folder, path) = trackmate(TRACKMATE_SPOTS, &trackmate_edges(&edges));
-    let lineage = tracked(&path);
+    let lineage = of_trackmate(TRACKMATE_SPOTS, &trackmate_edges(&edges));
     assert!(lineage.skipped[0].why.starts_with("a third link from \"AB\""), "{:?}", lineage.skipped);
     let ab = lineage.cells.iter().find(|cell| cell.name == "AB").unwrap();
     assert_eq!((ab.division, ab.daughters.len(), lineage.skipped_count), (None, 0, 1));
@@ -237,11 +234,10 @@ fn headings_of_any_number_of_lines_are_read() {
         }
     }
     let numbered = |text: &str| text.lines().enumerate().map(|(k, line)| format!("{k},{line}\n")).collect::<String>();
-    let (_folder, path) = trackmate(&numbered(TRACKMATE_SPOTS), &numbered(&without(&edges, &one)));
-    assert_eq!(lives(&tracked(&path)), LIVES);
+    assert_eq!(lives(&of_trackmate(&numbered(TRACKMATE_SPOTS), &numbered(&without(&edges, &one)))), LIVES);
     // A row without ids is no heading.
-    let (_folder, path) = trackmate(&without(TRACKMATE_SPOTS, &one).replace("P0,10,0", "P0,,0"), &edges);
-    assert_eq!(reports(&tracked(&path)), ["2 ID : must be a whole number from 0"]);
+    let lineage = of_trackmate(&without(TRACKMATE_SPOTS, &one).replace("P0,10,0", "P0,,0"), &edges);
+    assert_eq!(reports(&lineage), ["2 ID : must be a whole number from 0"]);
 }
 
 /// Ids beyond 2^53, and as another program may write them.
@@ -266,8 +262,7 @@ fn ids_are_read_to_the_last_digit() {
         })
         .collect();
     for end in ["", ".0"] {
-        let (_folder, path) = trackmate(&spots, &long(&trackmate_edges(&EDGES), end));
-        assert_eq!(lives(&tracked(&path)), LIVES, "{end}");
+        assert_eq!(lives(&of_trackmate(&spots, &long(&trackmate_edges(&EDGES), end))), LIVES, "{end}");
     }
 }
 

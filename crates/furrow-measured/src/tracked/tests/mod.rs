@@ -67,6 +67,11 @@ fn tracked(path: &Path) -> TrackedLineage {
     read_tracked(path, &TrackOptions::default()).unwrap().unwrap()
 }
 
+/// The embryo of a file.
+fn embryo(name: &str, content: impl AsRef<[u8]>) -> TrackedLineage {
+    tracked(&file(name, content).1)
+}
+
 /// Cases of a text file: lines that begin with `> `, and the message below each.
 fn cases(text: &str) -> impl Iterator<Item = (Vec<&str>, &str)> {
     text.trim_end().split("> ").skip(1).map(|case| {
@@ -85,6 +90,11 @@ fn refused(path: &Path) -> String {
     let error = read_tracked(path, &TrackOptions::default()).unwrap_err().to_string();
     let folder = path.parent().unwrap().display().to_string();
     error.replace(&format!("{}/", path.display()), "").replace(&format!("{folder}/"), "")
+}
+
+/// Why a file is refused.
+fn refusal(name: &str, content: impl AsRef<[u8]>) -> String {
+    refused(&file(name, content).1)
 }
 
 /// The lifetimes of an embryo.
@@ -193,8 +203,7 @@ fn three_hundred_and_sixty_frames_are_read() {
         };
         (format!("nuclei/t{:03}-nuclei", k + 1), (1..=550).map(line).collect::<String>().into_bytes())
     };
-    let (_folder, path) = file("long.zip", zip(&(0..360).map(frame).collect::<Vec<_>>()));
-    let lineage = tracked(&path);
+    let lineage = embryo("long.zip", zip(&(0..360).map(frame).collect::<Vec<_>>()));
     assert_eq!((lineage.cells.len(), lineage.cells[7].sizes), (550, 360));
 }
 
@@ -245,8 +254,7 @@ fn wrong_archives_and_cd_tables_are_refused() {
         (&with(at + 27, 0x80), "its files are longer than 64 MB, the most that is unpacked of it"),
         (&with(at + 10, 12), "it is packed by method 12; stored (0) and deflated (8) files are read"),
     ] {
-        let (_folder, path) = file("embryo.zip", content);
-        let error = refused(&path);
+        let error = refusal("embryo.zip", content);
         assert!(error.contains(message), "{error}\n{message}");
     }
     let (folder, _) = file("there.zip", "");
@@ -262,16 +270,13 @@ fn wrong_archives_and_cd_tables_are_refused() {
         ),
         (format!("{header}AB:1,AB,NaN,0,9\n"), "line 2, time: \"NaN\": must be a number of frames from 0"),
     ] {
-        let (_folder, path) = file("CD.csv", table);
-        let error = refused(&path);
+        let error = refusal("CD.csv", table);
         assert!(error.contains(message), "{error}\n{message}");
     }
-    let (_folder, path) = file("CD.csv", format!("{header}a,AB,5,0,9\nb,ABa,5,0,-9\nc,,5,0,9\n"));
-    let lineage = tracked(&path);
+    let lineage = embryo("CD.csv", format!("{header}a,AB,5,0,9\nb,ABa,5,0,-9\nc,,5,0,9\n"));
     let why: Vec<&str> = lineage.skipped.iter().map(|s| s.why.as_str()).collect();
     let twice = format!("{header}AB:1,AB,1,0,9\nAB:1,AB,1,0,9\n");
-    let (_folder, path) = file("CD.csv", twice);
-    assert_eq!(reports(&tracked(&path)), ["3 cell AB: the row of line 2 a second time"]);
+    assert_eq!(reports(&embryo("CD.csv", twice)), ["3 cell AB: the row of line 2 a second time"]);
     let late = "it is born while its mother AB is still there, until time 5";
     assert_eq!(why, ["must be a diameter above 0, in pixels", "must be the name of a cell", late]);
 }
@@ -290,8 +295,7 @@ fn cd_tables_of_other_programs_are_read() {
     for (table, has_sizes) in
         [(numbered, true), (format!("Cell & Time,X (Pixel),Y (Pixel),Z (Pixel)\n{joined}"), false)]
     {
-        let (_folder, path) = file("CDembryo.csv", table);
-        let cd = tracked(&path);
+        let cd = embryo("CDembryo.csv", table);
         assert_eq!((in_order(lives(&cd)), cd.skipped_count), (LIVES.to_vec(), 0));
         assert_eq!(cd.cells.iter().all(|cell| cell.volume.is_some()), has_sizes);
     }
@@ -409,8 +413,8 @@ fn files_of_other_kinds_are_named() {
         ("xl/workbook.xml", "it is a workbook of Excel"),
         ("tracks.geff/.zattrs", "it is a Zarr container in an archive: unpack it"),
     ] {
-        let (_folder, path) = file("film.zip", zip(&[(inside.to_owned(), vec![1])]));
-        assert!(refused(&path).contains(message), "{}", refused(&path));
+        let error = refusal("film.zip", zip(&[(inside.to_owned(), vec![1])]));
+        assert!(error.contains(message), "{error}");
     }
     let (folder, path) = file("t001-nuclei", NUCLEI[0]);
     assert!(refused(&path).contains("it has the nuclei of one frame"), "{}", refused(&path));
@@ -433,8 +437,7 @@ fn two_files_of_one_frame_are_refused() {
         let named = |(k, text): (usize, &&str)| (format!("{folder}/t{:03}-nuclei", k + 1), text.as_bytes().to_vec());
         files.extend(NUCLEI.iter().enumerate().map(named));
     }
-    let (_folder, path) = file("embryo.zip", zip(&files));
-    let error = refused(&path);
+    let error = refusal("embryo.zip", zip(&files));
     assert!(error.contains("nuclei/t001-nuclei and old/nuclei/t001-nuclei are both of frame 1"), "{error}");
 }
 

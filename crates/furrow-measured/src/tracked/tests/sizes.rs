@@ -25,11 +25,10 @@ fn sizes_that_are_all_the_same_are_unknown() {
         let text = table(&format!("track_id,t,y,x,parent_track_id,{column}"), |track, t, mother, _| {
             format!("{track},{t},1,2,{mother},2.5")
         });
-        let (_folder, path) = file("tracks.csv", text);
-        assert!(tracked(&path).cells.iter().all(|cell| cell.volume.is_none()), "{column}");
+        assert!(embryo("tracks.csv", text).cells.iter().all(|cell| cell.volume.is_none()), "{column}");
     }
-    let (_folder, path) = file("tracks.csv", "track_id,t,y,x,parent_track_id,radius\n1,0,0,0,-1,2\n2,0,0,0,-1,2\n");
-    assert!(tracked(&path).cells.iter().all(|cell| cell.volume.is_some()));
+    let single = embryo("tracks.csv", "track_id,t,y,x,parent_track_id,radius\n1,0,0,0,-1,2\n2,0,0,0,-1,2\n");
+    assert!(single.cells.iter().all(|cell| cell.volume.is_some()));
 }
 
 /// `--unit` says what volumes without a unit are; lengths may have theirs behind an underscore, too.
@@ -65,8 +64,7 @@ fn volumes_without_a_unit_take_the_given_one() {
         ("radius_px,y", Unit::Voxels, sphere(4.0)),
         ("radius,radius_um", Unit::CubicMicrometres, sphere(6.0)),
     ] {
-        let (_folder, path) = file("tracks.csv", format!("track_id,t,parent,{heading}\n1,0,-1,2,3\n"));
-        let lineage = read_tracked(&path, &TrackOptions::default()).unwrap().unwrap();
+        let lineage = embryo("tracks.csv", format!("track_id,t,parent,{heading}\n1,0,-1,2,3\n"));
         assert_eq!((lineage.volumes, lineage.cells[0].volume), (unit, Some(volume)), "{heading}");
     }
 }
@@ -130,8 +128,7 @@ fn options_that_say_nothing_of_a_followed_embryo_are_refused() {
 fn missing_values_are_no_mothers() {
     for none in ["", "NA", "NaN", "None", "<NA>", "null", "#N/A", "-1"] {
         let rows = format!("1,0,0,0,{none}\n2,1,0,0,1\n");
-        let (_folder, path) = file("tracks.csv", format!("track_id,t,y,x,parent_track_id\n{rows}"));
-        let lineage = tracked(&path);
+        let lineage = embryo("tracks.csv", format!("track_id,t,y,x,parent_track_id\n{rows}"));
         assert_eq!((lineage.cells.len(), lineage.cells[1].mother, lineage.skipped_count), (2, Some(0), 0), "{none}");
         let (folder, path) = file("a_tracks.csv", "track_id,t,y,x\n1,0,0,0\n2,1,0,0\n");
         fs::write(folder.path().join("a_graph.csv"), format!("child,parent\n1,{none}\n2,1\n")).unwrap();

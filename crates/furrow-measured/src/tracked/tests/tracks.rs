@@ -27,6 +27,11 @@ pub(super) fn table(heading: &str, row: impl Fn(u32, u32, u32, f64) -> String) -
     text
 }
 
+/// Tracks of the Cell Tracking Challenge.
+fn ctc() -> String {
+    TRACKS.map(|(track, first, last, mother, _)| format!("{track} {first} {last} {mother}\n")).concat()
+}
+
 pub(super) fn xml(units: &str) -> String {
     let (mut spots, mut edges, mut last) = (String::new(), String::new(), std::collections::HashMap::new());
     for (track, first, until, mother, radius) in TRACKS {
@@ -109,8 +114,7 @@ fn wrong_xml_is_refused_with_its_line() {
     ] {
         let changed = right.replacen(from, to, 1);
         assert_ne!(changed, right, "{from}");
-        let (_folder, path) = file("film.xml", changed);
-        let error = refused(&path);
+        let error = refusal("film.xml", changed);
         assert!(error.contains(message), "{error}\n{message}");
     }
     // Cut anywhere: an error or fewer cells, no panic.
@@ -123,8 +127,7 @@ fn wrong_xml_is_refused_with_its_line() {
 #[test]
 fn unusable_and_repeated_elements_of_xml_are_left_out() {
     let right = xml("spatialunits=\"micron\" timeunits=\"sec\"");
-    let (_folder, path) = file("film.xml", &right);
-    let (cells, edge) = (tracked(&path).cells, "<Edge SPOT_SOURCE_ID=\"24\" SPOT_TARGET_ID=\"45\" />\n");
+    let (cells, edge) = (embryo("film.xml", &right).cells, "<Edge SPOT_SOURCE_ID=\"24\" SPOT_TARGET_ID=\"45\" />\n");
     let spot =
         "<Spot ID=\"34\" name=\"ID&lt;34&gt;\" VISIBILITY=\"1\" RADIUS=\"10\" FRAME=\"4\"\n POSITION_T=\"360\" />\n";
     for (from, to, why) in [
@@ -134,8 +137,7 @@ fn unusable_and_repeated_elements_of_xml_are_left_out() {
     ] {
         let changed = right.replacen(&from, &to, 1);
         assert_ne!(changed, right, "{from}");
-        let (_folder, path) = file("film.xml", changed);
-        let lineage = tracked(&path);
+        let lineage = embryo("film.xml", changed);
         let times = |cells: &[TrackedCell]| cells.iter().map(|cell| (cell.birth, cell.division)).collect::<Vec<_>>();
         assert_eq!(times(&lineage.cells), times(&cells), "{to}");
         assert!(reports(&lineage)[0].contains(why) && lineage.skipped_count == 2, "{:?}\n{why}", reports(&lineage));
@@ -183,8 +185,7 @@ fn tables_of_ultrack_btrack_and_napari_give_the_same_cells() {
     let sized = table("track_id,t,y,x,parent_track_id,volume_um3,name", |track, t, mother, radius| {
         format!("{track},{t},1,2,{mother},{radius},{}", ["", "P0", "AB", "P1", "ABa", "ABp"][track as usize])
     });
-    let (_folder, path) = file("sized.csv", sized);
-    let lineage = tracked(&path);
+    let lineage = embryo("sized.csv", sized);
     assert_eq!((lineage.volumes, lineage.cells[0].volume), (Unit::CubicMicrometres, Some(20.0)));
     assert_eq!(in_order(lives(&lineage)), LIVES);
 }
@@ -195,22 +196,17 @@ fn ids_may_be_of_tracks_or_of_spots() {
     let btrack = table("ID t x y z parent root", |track, t, mother, _| {
         format!("{track} {t} 1.5 2.5 3.5 {} 1", if mother == 0 { track } else { mother })
     });
-    let (_folder, path) = file("embryo.txt", &btrack);
-    let lineage = tracked(&path);
+    let lineage = embryo("embryo.txt", btrack);
     assert_eq!((lineage.format, by_track(lives(&lineage))), (Format::Tracks, numbered()));
     let funtracks = spots_with_ids("t,z,y,x,id,parent_id,track_id", |track| format!(",{track}"));
-    let (_folder, path) = file("embryo.csv", funtracks);
-    assert_eq!(by_track(lives(&tracked(&path))), numbered());
+    assert_eq!(by_track(lives(&embryo("embryo.csv", funtracks))), numbered());
     // Without tracks a cell has the id of its first spot.
-    let (_folder, path) = file("embryo.csv", spots_with_ids("t,z,y,x,id,parent_id", |_| String::new()));
     let times =
         |lineage: &TrackedLineage| lineage.cells.iter().map(|cell| (cell.birth, cell.division)).collect::<Vec<_>>();
-    let (folder, tracks) = file("embryo.txt", &btrack);
-    assert_eq!(times(&tracked(&path)), times(&tracked(&tracks)));
-    drop(folder);
+    let of_spots = embryo("embryo.csv", spots_with_ids("t,z,y,x,id,parent_id", |_| String::new()));
+    assert_eq!(times(&of_spots), times(&lineage));
     let ilastik = "frame,trackId,parentTrackId,Size_in_pixels_0\n0,1,0,8\n1,2,1,4\n1,3,1,4\n";
-    let (_folder, path) = file("ilastik.csv", ilastik);
-    let lineage = tracked(&path);
+    let lineage = embryo("ilastik.csv", ilastik);
     assert_eq!((lineage.volumes, lineage.cells[0].volume), (Unit::Voxels, Some(8.0)));
 }
 
@@ -241,8 +237,7 @@ fn times_of_tracks_may_have_a_unit() {
         ("t in s", TimeUnit::Minutes, [0.5, 1.5]),
     ] {
         let rows = "1,30,0,0,-1\n2,90,0,0,1\n";
-        let (_folder, path) = file("tracks.csv", format!("track_id,{heading},y (µm),x (µm),parent_track_id\n{rows}"));
-        let lineage = tracked(&path);
+        let lineage = embryo("tracks.csv", format!("track_id,{heading},y (µm),x (µm),parent_track_id\n{rows}"));
         assert_eq!(
             (lineage.time, lineage.cells[0].birth, lineage.cells[1].birth),
             (unit, times[0], times[1]),
@@ -254,13 +249,11 @@ fn times_of_tracks_may_have_a_unit() {
         ("Diameter (px)", Unit::Voxels, sphere(2.0)),
         ("Radius (µm)", Unit::CubicMicrometres, sphere(4.0)),
     ] {
-        let (_folder, path) = file("tracks.csv", format!("track_id,t,parent,{heading}\n1,0,-1,2\n"));
-        let lineage = tracked(&path);
+        let lineage = embryo("tracks.csv", format!("track_id,t,parent,{heading}\n1,0,-1,2\n"));
         assert_eq!((lineage.volumes, lineage.cells[0].volume), (unit, Some(volume)), "{heading}");
     }
-    let (_folder, path) = file("tracks.csv", "track_id,time (weeks),y,x,parent_track_id\n1,0,0,0,-1\n");
     let why = "tracks.csv:1:1: the unit of column 2, \"time (weeks)\", must be frames or one of min, s, h";
-    assert_eq!(refused(&path), why);
+    assert_eq!(refusal("tracks.csv", "track_id,time (weeks),y,x,parent_track_id\n1,0,0,0,-1\n"), why);
 }
 
 #[test]
@@ -276,8 +269,7 @@ fn wrong_tables_of_tracks_are_refused_with_their_line() {
         ),
         ("", "is not table of tracks with a cell that can be used: it has no spots"),
     ] {
-        let (_folder, path) = file("tracks.csv", format!("{heading}\n{rows}"));
-        let error = refused(&path);
+        let error = refusal("tracks.csv", format!("{heading}\n{rows}"));
         assert!(error.contains(message), "{error}\n{message}");
     }
     // A row that cannot be used or is given twice costs no other row.
@@ -289,23 +281,20 @@ fn wrong_tables_of_tracks_are_refused_with_their_line() {
         ("1,1,0,0,-1,5", "3  5: line 3 has 6 fields, the heading 5"),
         ("1,0,0,0,-1", "3 track_id 1: the row of line 2 a second time"),
     ] {
-        let (_folder, path) = file("tracks.csv", format!("{heading}\n1,0,0,0,-1\n{row}\n1,2,0,0,-1\n2,3,0,0,1\n"));
-        let lineage = tracked(&path);
+        let lineage = embryo("tracks.csv", format!("{heading}\n1,0,0,0,-1\n{row}\n1,2,0,0,-1\n2,3,0,0,1\n"));
         assert_eq!(lives(&lineage), [("1", None, 0.0, Some(3.0), 2.0), ("2", Some("1"), 3.0, None, 3.0)], "{row}");
         assert_eq!(reports(&lineage), [why]);
     }
     // Rows that pandas numbers are repeats too.
-    let (_folder, path) =
-        file("tracks.csv", format!(",{heading}\n0,1,0,0,0,-1\n1,1,0,0,0,-1\n2,2,1,0,0,5\n3,x,1,0,0,5\n"));
     let why = [
         "3 track_id 1: the row of line 2 a second time",
         "5 track_id x: must be a whole number from 0",
         "4 parent 5: must be a track of the table",
     ];
-    assert_eq!(reports(&tracked(&path)), why);
-    let (_folder, path) = file("tracks.csv", format!("{heading}\n1,0,0,0,-1\n1,1,0,0,-1\n2,1,0,0,1\n"));
+    let rows = "0,1,0,0,0,-1\n1,1,0,0,0,-1\n2,2,1,0,0,5\n3,x,1,0,0,5\n";
+    assert_eq!(reports(&embryo("tracks.csv", format!(",{heading}\n{rows}"))), why);
     let why = "4 t 1: it is born while its mother 1 is still there, until time 1";
-    assert_eq!(reports(&tracked(&path)), [why]);
+    assert_eq!(reports(&embryo("tracks.csv", format!("{heading}\n1,0,0,0,-1\n1,1,0,0,-1\n2,1,0,0,1\n"))), [why]);
 }
 
 /// Mother and daughter stay two cells where the other daughter is left out or was not followed.
@@ -314,34 +303,29 @@ fn a_daughter_without_a_sister_is_no_part_of_her_mother() {
     let heading = "track_id,t,y,x,parent_track_id,volume_um3";
     let mother = "1,0,0,0,-1,9\n1,1,0,0,-1,9\n";
     for rows in ["2,1,0,0,1,5\n2,2,0,0,1,5\n3,2,0,0,1,4\n3,3,0,0,1,4\n", "3,2,0,0,1,4\n3,3,0,0,1,4\n"] {
-        let (_folder, path) = file("tracks.csv", format!("{heading}\n{mother}{rows}"));
-        let lineage = tracked(&path);
+        let lineage = embryo("tracks.csv", format!("{heading}\n{mother}{rows}"));
         let cell = |name: &str| lineage.cells.iter().find(|cell| cell.name == name).unwrap();
         assert_eq!((cell("1").volume, cell("1").division, cell("1").last), (Some(9.0), Some(2.0), 1.0), "{rows}");
         assert_eq!((cell("3").mother, cell("3").birth, cell("3").volume), (Some(0), 2.0, Some(4.0)), "{rows}");
     }
     // One name is one cell, though its track ends.
-    let (_folder, path) =
-        file("tracks.csv", "track_id,t,y,x,parent_track_id,name\n1,0,0,0,-1,AB\n2,2,0,0,1,AB\n3,4,0,0,2,ABa\n");
     let lives_of = [("AB", None, 0.0, Some(4.0), 2.0), ("ABa", Some("AB"), 4.0, None, 4.0)];
-    assert_eq!(lives(&tracked(&path)), lives_of);
+    let text = "track_id,t,y,x,parent_track_id,name\n1,0,0,0,-1,AB\n2,2,0,0,1,AB\n3,4,0,0,2,ABa\n";
+    assert_eq!(lives(&embryo("tracks.csv", text)), lives_of);
     // Tracks of the Cell Tracking Challenge have gaps, unless a sister is left out.
-    let (_folder, path) = file("01.txt", "1 0 1 0\n2 3 4 1\n3 5 6 2\n4 4 6 2\n");
     let lives_of = [("1", None, 0.0, Some(5.0), 4.0), ("4", None, 4.0, None, 6.0), ("3", Some("1"), 5.0, None, 6.0)];
-    assert_eq!(lives(&tracked(&path)), lives_of);
+    assert_eq!(lives(&embryo("01.txt", "1 0 1 0\n2 3 4 1\n3 5 6 2\n4 4 6 2\n")), lives_of);
 }
 
 #[test]
 fn tracks_of_the_cell_tracking_challenge_are_cells_with_their_labels() {
-    let text: String =
-        TRACKS.map(|(track, first, last, mother, _)| format!("{track} {first} {last} {mother}\n")).concat();
-    let (folder, path) = file("01.txt", &text);
+    let (folder, path) = file("01.txt", ctc());
     let lineage = tracked(&path);
     assert_eq!((lineage.format, lineage.name.as_str()), (Format::Ctc, "01"));
     assert_eq!(by_track(lives(&lineage)), numbered());
     let inside = folder.path().join("02_GT");
     fs::create_dir_all(inside.join("TRA")).unwrap();
-    fs::write(inside.join("TRA/man_track.txt"), &text).unwrap();
+    fs::write(inside.join("TRA/man_track.txt"), ctc()).unwrap();
     for place in [inside.clone(), inside.join("TRA"), inside.join("TRA/man_track.txt")] {
         let lineage = tracked(&place);
         assert_eq!((lineage.name.as_str(), lineage.cells.len()), ("02_GT", 5), "{}", place.display());
@@ -351,8 +335,8 @@ fn tracks_of_the_cell_tracking_challenge_are_cells_with_their_labels() {
         ("1 0 4 0\n1 5 6 0\n", "01.txt:2:1: label = 1: must be of one line only"),
         ("1 0 4 0\n2 5 6 9\n", "01.txt:2:1: mother = 9: must be 0 or a label of the file"),
     ] {
-        let (_folder, path) = file("01.txt", text);
-        assert!(refused(&path).contains(message), "{}\n{message}", refused(&path));
+        let error = refusal("01.txt", text);
+        assert!(error.contains(message), "{error}\n{message}");
     }
     let (folder, _) = file("man_track.txt", "1 0 4 0\n2 5 8\n1 0 4 0\n3 5 6 2\n");
     let path = folder.path();
@@ -407,13 +391,11 @@ fn folders_have_tables_of_the_kind_that_is_read() {
 
 #[test]
 fn folders_and_patterns_stand_for_the_embryos_in_them() {
-    let text: String =
-        TRACKS.map(|(track, first, last, mother, _)| format!("{track} {first} {last} {mother}\n")).concat();
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     for name in ["01/TRA", "02/TRA"] {
         fs::create_dir_all(at(name)).unwrap();
-        fs::write(at(name).join("man_track.txt"), &text).unwrap();
+        fs::write(at(name).join("man_track.txt"), ctc()).unwrap();
     }
     for name in ["a", "b"] {
         fs::write(at(&format!("{name}_spots.csv")), "LABEL,ID,FRAME\n").unwrap();
