@@ -1,8 +1,8 @@
-//! furrow predicts, from mechanics alone, how an embryo's cells divide: how unequally, how many rounds, and when a
-//! lineage stops.
+//! furrow predicts from mechanics how the cells of an embryo divide: into equal or unequal daughters, for how many rounds,
+//! and when a lineage stops.
 //!
-//! The cell cortex is an active viscous surface inside an ellipsoidal shell. Curvature-dependent active stress makes a
-//! furrow; small size or tight confinement breaks its symmetry.
+//! The cell cortex is modelled as an active viscous surface inside an ellipsoidal shell. Active stress that depends on
+//! curvature forms a furrow; small size or tight confinement breaks its symmetry.
 //!
 //! ```
 //! use furrow::{Cell, Cue, DivisionInput, divide};
@@ -13,7 +13,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! This crate gives the names that most programs need. The crates behind it have the rest, each importing only from those
+//! This crate re-exports the names that most programs need from the following crates. Each of them depends only on crates
 //! above it in this table:
 //!
 //! | crate | contents |
@@ -34,13 +34,13 @@
 //!
 //! | name | role |
 //! |---|---|
-//! | [`Cell`], [`Cue`], [`Parameter`], [`Numerics`], [`Settings`] | a cell, its polarity cue, its numbers by name, the discretisation, presets and files |
+//! | [`Cell`], [`Cue`], [`Parameter`], [`Numerics`], [`Settings`] | a cell, its cue, its parameters by name, the discretisation, presets and files |
 //! | [`divide`], [`Trajectory`] | one division: its outcome, or all its shapes |
-//! | [`stationary()`], [`Stability`] | an equilibrium at some activity, its growth rates |
+//! | [`stationary()`], [`Stability`] | an equilibrium at a given activity, its growth rates |
 //! | [`follow`], [`first_pitchfork`], [`critical_radius`] | a branch with its folds and pitchforks, a threshold, the radius below which cells rest |
 //! | [`calibrate`] | constants from thresholds |
 //! | [`Lineage`], [`Grower`], [`Tree`], [`founder_rounds`] | founders and their cues, the tree that grows, its rounds |
-//! | [`Memo`], [`Quantisation`], [`SchedulerOptions`] | solved divisions, how sizes are rounded, threads and progress |
+//! | [`Memo`], [`Quantisation`], [`SchedulerOptions`] | solved divisions, rounding of sizes, threads and progress |
 //! | [`newick`], [`tree_to_json`], [`tree_from_json`] | a tree as a file |
 //! | [`Sweep`] | many divisions over axes of parameters |
 //!

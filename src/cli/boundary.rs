@@ -34,7 +34,7 @@ pub struct BoundaryArgs {
     vary: VaryArgs,
     #[command(flatten)]
     pub axis: AxisArgs,
-    /// Activity ξ_s of --critical
+    /// Activity ξ_s for --critical
     #[arg(help_heading = "Cell", long, value_name = "X", value_parser = number, requires = "critical")]
     xi: Option<f64>,
     /// Solves for the value at which the boundary lies at the cell's own activity
@@ -43,7 +43,7 @@ pub struct BoundaryArgs {
     /// Skips the folds of the symmetric shapes
     #[arg(help_heading = "Output", long)]
     no_folds: bool,
-    /// Also follows the activity from which disturbances cos mφ, m = 1 to M, grow, which are not axisymmetric
+    /// Also follows the activity above which non-axisymmetric disturbances cos mφ, m = 1 to M, grow
     #[arg(help_heading = "Output", long, value_name = "M", value_parser = clap::value_parser!(u8).range(1..=MOST_AZIMUTHAL))]
     azimuthal: Option<u8>,
     /// Stores the boundary over R0, with the critical radii of all cues of the lineage
@@ -113,12 +113,12 @@ impl BoundaryArgs {
 
 const HEADING: &str = "curve              R0         ε      value         ξ_s         H\n";
 
-/// Every point.
+/// All points of the curves.
 fn list(named: &[(String, CurvePoint)], units: &Units) -> String {
     named.iter().fold(HEADING.to_owned(), |out, (name, point)| out + &line(name, point, units))
 }
 
-/// Every curve by its two ends, and the points at which something happens.
+/// The two ends of every curve, and its special points.
 fn text(found: &BoundaryStudy, units: &Units) -> String {
     let ends = |name: &str, curve: &Curve| {
         let (Some(first), Some(last)) = (curve.points.first(), curve.points.last()) else { return String::new() };

@@ -40,7 +40,7 @@ pub struct BranchArgs {
     /// Largest ξ_s
     #[arg(help_heading = "Numerics", long, value_name = "X", default_value_t = 100.0, value_parser = number)]
     xi_max: f64,
-    /// Ends a branch where its reduced volume falls to V: the volume divided by the volume of a sphere with the same area
+    /// Ends a branch where the reduced volume, the volume divided by that of a sphere with the same area, falls to V
     #[arg(help_heading = "Numerics", long, value_name = "V", value_parser = number)]
     reduced_volume: Option<f64>,
     /// Largest step along a branch, in arclength
@@ -72,7 +72,7 @@ fn point(branch: &str, p: &ShapePoint) -> Value {
     }))
 }
 
-/// Why a branch ends; where it pinches off, with the neck at which shapes count as pinched off, in R0.
+/// The reason why a branch ends. For pinch-off it includes the neck radius of the criterion, in R0.
 fn end(name: &str, branch: &Branch) -> Value {
     let neck = match branch.ended {
         BranchEnd::Pinched(neck) => Some(neck),
@@ -116,7 +116,7 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     })
 }
 
-/// Where the bent states begin, and their odd pitchfork and fold.
+/// The threshold of the bent states, their odd pitchfork and their fold.
 fn bent_text(bent: &BentBranch) -> String {
     let NormalForm { xi_s, coefficient, .. } = bent.threshold;
     let criticality = Criticality::of(coefficient);
@@ -128,7 +128,7 @@ fn bent_text(bent: &BentBranch) -> String {
     out
 }
 
-/// The points of a branch, with `stability` where growth rates beyond axial symmetry are asked for.
+/// The points of a branch, with `stability` if growth rates of non-axisymmetric disturbances are requested.
 fn points(name: &'static str, branch: &Branch) -> Vec<Value> {
     let mut points: Vec<Value> = branch.points.iter().map(|p| point(name, p)).collect();
     for (point, rates) in points.iter_mut().zip(&branch.azimuthal.rates) {
@@ -138,7 +138,7 @@ fn points(name: &'static str, branch: &Branch) -> Vec<Value> {
     points
 }
 
-/// Where growth rates of disturbances that are not axisymmetric change sign; nothing unless asked for.
+/// The points where growth rates of non-axisymmetric disturbances change sign; empty unless requested.
 fn azimuthal(found: &Diagram) -> Option<Vec<Value>> {
     let scanned = found.branches.iter().any(|(_, branch)| !branch.azimuthal.rates.is_empty());
     let crossings = found.branches.iter().flat_map(|(name, branch)| {
@@ -195,7 +195,7 @@ fn text((cell, units): (&Cell, &Units), found: &Diagram, points: bool) -> String
         };
         let (kind, ShapePoint { xi_s, elongation: h, .. }) = (event.kind(), event.point());
         let error = match event.error() {
-            // Less than the last digit shows.
+            // An error below the last printed digit is not shown.
             error if error < 5e-7 => String::new(),
             error if error.is_infinite() => " (absent on halved intervals)".to_owned(),
             error => format!(" ± {error:.0e}"),

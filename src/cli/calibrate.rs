@@ -25,22 +25,23 @@ pub struct CalibrateArgs {
     /// File of unknowns and thresholds, such as data/thresholds.ron
     #[arg(value_name = "TARGETS.ron")]
     targets: PathBuf,
-    /// Samples N sets of constants that agree with the targets, instead of finding the best fit
+    /// Samples N sets of constants that agree with the targets instead of finding the best fit
     #[arg(help_heading = "Ensemble", long, value_name = "N", group = "search",
         value_parser = clap::value_parser!(u32).range(1..=100_000))]
     ensemble: Option<u32>,
-    /// Searches among N sets of constants for the front: the least worst threshold for each number of statements met
+    /// Searches N sets of constants for the front: for each number of statements met, the set that minimises the largest deviation of a
+    /// threshold
     #[arg(help_heading = "Front", long, value_name = "N", group = "search", conflicts_with = "plot",
         value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     front: Option<u32>,
-    /// Constants to vary, in place of the file's; each starts at its present value
+    /// Constants to vary instead of those in the file; each starts at its current value
     #[arg(help_heading = "Parameters", long, value_name = "NAME,..", value_delimiter = ',')]
     unknowns: Option<Vec<Parameter>>,
     /// Seed of the sample or of the search
     #[arg(help_heading = "Ensemble", long, value_name = "S", default_value_t = 0, value_parser = seed, requires = "search")]
     seed: u64,
-    /// File for the sample, for furrow tree --constants, or for the front, as JSON; default stdout. With it an interrupted run
-    /// resumes
+    /// File for the sample, for furrow tree --constants, or for the front, as JSON; default stdout. An interrupted run with this option
+    /// can be resumed
     #[arg(help_heading = "Output", long, value_name = "FILE", requires = "search")]
     out: Option<PathBuf>,
     #[command(flatten)]

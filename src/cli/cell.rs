@@ -1,4 +1,4 @@
-//! Options that name one cell.
+//! Options that define one cell.
 
 use super::messages;
 use std::path::{Path, PathBuf};
@@ -21,13 +21,13 @@ pub struct CueArgs {
     /// Polarity cue: none, a name in the lineage file, or terms FIELD:PROFILE,key=value,.. joined by +
     ///
     /// Fields: kappa, activity, xi_s, xi_b, eta_b, eta_s, viscosity, friction, tension. Profiles: band (u0, omega,
-    /// amplitude; may be left out), step (the same), gradient (amplitude), par and par_band (amplitude, and
-    /// constants of PAR polarity, from which place and width follow, as in k_ap=0.25). The width omega is in u, or with the suffix Lh in L_h. With --three-dimensional a term may be at
-    /// one side of the axis: at=90deg,spread=60deg.
+    /// amplitude; the name may be omitted), step (the same), gradient (amplitude), par and par_band (amplitude, and
+    /// constants of PAR polarity, such as k_ap=0.25, which determine position and width). The width omega is in u, or with
+    /// the suffix Lh in L_h. With --three-dimensional a term may act on one side of the axis: at=90deg,spread=60deg.
     ///
-    /// One of them may be a regulator, which flow carries: regulator:PROFILE,key=value,.. Its keys: the keys of PROFILE,
+    /// One term may be a regulator, which the flow advects: regulator:PROFILE,key=value,.. Its keys: the keys of PROFILE,
     /// its source (PROFILE none: no source); turnover (1/τ); diffusion (L_h²/τ); each field that it changes, as in
-    /// activity=0.3, or if that saturates tension=30,tension.half=10; and diluted=false for a label, which converging
+    /// activity=0.3, or with saturation tension=30,tension.half=10; and diluted=false for a label, which converging
     /// flow does not concentrate. If the lineage file has units, widths may be in um, turnover in /s, and diffusion in
     /// um2/s.
     #[arg(long, value_name = "CUE", default_value = "none")]
@@ -38,7 +38,7 @@ pub struct CueArgs {
 }
 
 impl CueArgs {
-    /// The lineage with the cues that have names.
+    /// The lineage that defines the named cues.
     ///
     /// # Errors
     /// Names the file and the error in it.
@@ -48,8 +48,8 @@ impl CueArgs {
 
     /// The cue, and the units of the lineage.
     ///
-    /// The built-in lineage has no units and is only read for a cue that names one of its own: reading it would take a fifth of
-    /// the time of a division that the cache knows.
+    /// The built-in lineage has no units and is read only if the cue is one of its named cues: reading it would take a fifth of
+    /// the time of a cached division.
     ///
     /// # Errors
     /// Names the file or the part of the cue, and the allowed values.
@@ -63,7 +63,7 @@ impl CueArgs {
     }
 }
 
-/// Reads a lineage file, or the built-in one, and warns of its doubtful values.
+/// Reads a lineage file, or the built-in one, and warns of suspicious values.
 ///
 /// # Errors
 /// As [`Lineage::load`].
@@ -82,7 +82,7 @@ pub struct CellArgs {
     /// otherwise)
     #[arg(long, value_name = "R", value_parser = length)]
     r0: Length,
-    /// Volume of the cell over the volume of its shell, ε
+    /// Volume of the cell divided by the volume of its shell, ε
     #[arg(long, value_name = "E", value_parser = number)]
     epsilon: Option<f64>,
     #[command(flatten)]
@@ -90,7 +90,7 @@ pub struct CellArgs {
 }
 
 impl CellArgs {
-    /// The cell, with everything else from the settings.
+    /// The cell, with all other parameters from the settings.
     ///
     /// # Errors
     /// Names the option, its value and the allowed values.
@@ -115,13 +115,13 @@ impl CellArgs {
 pub struct ActiveCellArgs {
     #[command(flatten)]
     cell: CellArgs,
-    /// Activity ξ_s, as published; default 25, the preset's, unless --config or --set changes it
+    /// Activity ξ_s as published; default 25, the preset's, unless --config or --set changes it
     #[arg(long, value_name = "X", value_parser = number)]
     xi: Option<f64>,
 }
 
 impl ActiveCellArgs {
-    /// The cell, with everything else from the settings.
+    /// The cell, with all other parameters from the settings.
     ///
     /// # Errors
     /// Names the option, its value and the allowed values.
@@ -133,23 +133,23 @@ impl ActiveCellArgs {
     }
 }
 
-// Whether cells keep their axis.
+// Options for cells without axial symmetry.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct AxisArgs {
     /// Computes cells without axial symmetry: they may bend, and their furrow may close from one side
     #[arg(long)]
     three_dimensional: bool,
-    /// Most azimuthal modes cos mφ of a surface, m up to M; a surface uses as many as its shape needs
+    /// Largest azimuthal mode number of a surface: modes cos mφ with m up to M; a surface uses as many as its shape needs
     #[arg(long, value_name = "M", requires = "three_dimensional", default_value_t = MODES, value_parser = clap::value_parser!(u8).range(1..=12))]
     modes: u8,
 }
 
-/// Most azimuthal modes of a surface unless the user says otherwise.
+/// Default of the largest azimuthal mode number of a surface.
 const MODES: u8 = 4;
 
 impl AxisArgs {
-    /// The entry of `--set` that says the same.
+    /// The equivalent entry of `--set`.
     pub fn setting(&self) -> Option<String> {
         self.three_dimensional.then(|| format!("modes={}", self.modes))
     }
@@ -159,10 +159,10 @@ impl AxisArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct FirstCellArgs {
-    /// Radius R0 of the first cell, in L_h, or in µm, such as 17um; default the lineage's own, else 5.4, the preset's
+    /// Radius R0 of the first cell, in L_h, or in µm, such as 17um; default the lineage's, otherwise 5.4, the preset's
     #[arg(long, value_name = "R", value_parser = length)]
     pub r0: Option<Length>,
-    /// Volume of every cell over the volume of its shell, ε; default 0.87, the preset's
+    /// Volume of every cell divided by the volume of its shell, ε; default 0.87, the preset's
     #[arg(long, value_name = "E", value_parser = number)]
     epsilon: Option<f64>,
     /// Activity ξ_s of every cell, as published; default 25, the preset's
@@ -193,7 +193,7 @@ impl FirstCellArgs {
     }
 }
 
-/// Sets the parameters of the options that are given, which `--set` does not set as well.
+/// Sets the parameters of the given options; none of them may also be set by `--set`.
 ///
 /// # Errors
 /// Names the option, its value and the allowed values.
@@ -222,19 +222,19 @@ pub fn length(text: &str) -> Result<Length, String> {
     length.ok_or_else(|| "must be a finite number of L_h, as 5.4, or of µm, as 17um".to_owned())
 }
 
-/// Warns once of radii that are far from those that the constants were made for.
+/// Warns once of radii far outside the range for which the constants are intended.
 pub fn warn_of_size(units: &Units, radii: impl IntoIterator<Item = Length>) {
     if let Some(doubt) = radii.into_iter().find_map(|r0| size_doubt(r0, units)) {
         messages::warning!("{doubt}");
     }
 }
 
-/// Warns of a law that reads a regulator which the cell does not have.
+/// Warns of a law that uses a regulator if the cell has no regulator.
 pub fn warn_of_regulator(cell: &Cell) {
     messages::warn_of(cell.lacks_regulator().map(|doubt| format!("--cue: {doubt}")));
 }
 
-/// A cell as answers begin: its size and confinement, its activity if that is given, and its law unless that is the built-in one.
+/// The description of a cell at the start of the output: size, confinement, activity if given, and law unless it is the built-in one.
 pub fn described(cell: &Cell, units: &Units, xi_s: Option<f64>) -> String {
     let size = units.in_micrometres(cell.r0);
     let xi_s = xi_s.map_or(String::new(), |xi_s| format!(", ξ_s = {xi_s}"));

@@ -1,4 +1,4 @@
-//! What commands share: parameters, memo, the way to schedule and to log.
+//! Services that commands share: parameters, memo, scheduling and logging.
 
 use super::error::CliError;
 use super::interrupt;
@@ -20,8 +20,8 @@ use std::path::{Path, PathBuf};
 // Options of all commands.
 #[derive(Clone, Debug, Args)]
 pub struct Globals {
-    /// Preset of constants: gao2026, from all that the paper says, gao2026-thresholds, from its four printed thresholds
-    /// alone, or sulston1983, from the rounds of the C. elegans founders
+    /// Preset of constants: gao2026, fitted to all statements of the paper, gao2026-thresholds, fitted only to its four
+    /// printed thresholds, or sulston1983, fitted to the rounds of the C. elegans founders
     #[arg(help_heading = "Parameters", long, global = true, value_name = "NAME", default_value = "gao2026",
         value_parser = PresetNames, hide_possible_values = true)]
     pub preset: String,
@@ -38,7 +38,7 @@ pub struct Globals {
     /// Number of solver threads; default one per core
     #[arg(help_heading = "Run", long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Cache folder for solved divisions; default `cache` in the working folder if it exists, else the user's cache folder
+    /// Cache folder for solved divisions; default `cache` in the working folder if it exists, otherwise the user's cache folder
     #[arg(help_heading = "Run", long, global = true, value_name = "DIR", conflicts_with = "no_cache")]
     pub cache: Option<PathBuf>,
     /// Disables the cache
@@ -53,7 +53,7 @@ pub struct Globals {
     /// Hides progress and warnings
     #[arg(help_heading = "Output", short, long, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
-    /// Prints more log messages; twice prints most
+    /// Prints more log messages; -vv prints most
     #[arg(help_heading = "Output", short, long, global = true, action = clap::ArgAction::Count)]
     pub verbose: u8,
 }
@@ -72,7 +72,7 @@ impl Globals {
     }
 }
 
-/// Suggests the names of presets to shells. Other names are refused when settings are read, where the error suggests the nearest name.
+/// Suggests the names of presets to shells. Unknown names are rejected when settings are read; that error suggests the nearest name.
 #[derive(Clone)]
 struct PresetNames;
 
@@ -135,27 +135,27 @@ impl Context {
         })
     }
 
-    /// The same for a command that has equations with axial symmetry alone.
+    /// The same for a command whose equations assume axial symmetry.
     ///
     /// # Errors
-    /// As [`Context::new`], and of settings with azimuthal modes.
+    /// As [`Context::new`], and for settings with azimuthal modes.
     pub fn axisymmetric(globals: &Globals) -> Result<Context, CliError> {
         let context = Context::new(globals)?;
         context.settings.check_axisymmetric("settings")?;
         Ok(context)
     }
 
-    /// The same for a command that knows the paper's law alone; `what` says for what.
+    /// The same for a command that supports only the paper's law; `what` is the purpose named in the error.
     ///
     /// # Errors
-    /// As [`Context::axisymmetric`], and of a law.
+    /// As [`Context::axisymmetric`], and for any other law.
     pub fn of_paper_law(globals: &Globals, what: &str) -> Result<Context, CliError> {
         let context = Context::axisymmetric(globals)?;
         context.settings.check_paper_model(what)?;
         Ok(context)
     }
 
-    /// Refuses a law where an option with a value asks for disturbances around the axis.
+    /// Rejects a law if an option requests non-axisymmetric disturbances.
     ///
     /// # Errors
     /// Names the law.
@@ -177,8 +177,8 @@ impl Context {
         if changes { settings_in(&self.globals, units) } else { Ok(self.settings.clone()) }
     }
 
-    /// Refuses settings that reach no cell of these lineages, since every founder has its own: `--set` and the `given` options, with
-    /// names and values. A configuration file may serve other lineages too, so it gives only a warning.
+    /// Rejects settings that affect no cell of these lineages because every founder sets its own value: `--set` and the `given`
+    /// options, with names and values. A configuration file may be meant for other lineages too, so it causes only a warning.
     ///
     /// # Errors
     /// Names the option, its value and the lineage.
@@ -205,7 +205,7 @@ impl Context {
         Ok(())
     }
 
-    /// Reads sets of constants for a lineage. They exclude settings of the same parameters: `--set` and the `given` options, with
+    /// Reads sets of constants for a lineage. Their parameters must not also be set by `--set` or by the `given` options, with
     /// names and values.
     ///
     /// # Errors
@@ -246,7 +246,7 @@ impl Context {
                 interrupt::cached();
                 Ok(memo.with_store(store))
             }
-            // A folder the user named must work.
+            // A folder given by the user must be usable.
             Err(error) if self.globals.cache.is_some() => Err(error),
             Err(error) => {
                 messages::warning!("the cache is disabled, solved divisions are not kept: {error}");
@@ -255,20 +255,20 @@ impl Context {
         }
     }
 
-    /// Runs work that shows its progress in a line, which is gone when the work has ended.
+    /// Runs work with a progress line, which is removed when the work ends.
     pub fn shown<T>(&self, work: impl FnOnce(&ProgressLine) -> T) -> T {
         work(&ProgressLine::new(self.progress))
     }
 
-    /// The same for divisions: the line counts those that are done. It appears with the first one: until then the work may
-    /// show another line.
+    /// The same for divisions: the line counts finished divisions. It appears with the first one, because the work may show another
+    /// line until then.
     pub fn scheduled<T>(&self, work: impl FnOnce(&SchedulerOptions<'_>) -> T) -> T {
         let line = OnceCell::new();
         let show = |progress| line.get_or_init(|| ProgressLine::new(self.progress)).show_all(progress);
         work(&self.scheduling(&show))
     }
 
-    /// How divisions are scheduled: on the threads asked for, until Ctrl-C.
+    /// Options of the scheduler: the requested number of threads, and a stop at Ctrl-C.
     pub fn scheduling<'a>(&self, progress: &'a dyn Fn(Progress)) -> SchedulerOptions<'a> {
         SchedulerOptions {
             threads: self.threads,
@@ -289,14 +289,14 @@ fn settings_in(globals: &Globals, units: &Units) -> Result<Settings, InputError>
     Settings::load(&globals.preset, globals.config.as_deref(), globals.law.as_deref(), &set)
 }
 
-/// The radius that an entry of `--set` gives in µm.
+/// The radius in µm given by an entry of `--set`.
 pub fn radius_in_micrometres(entry: &str) -> Option<Length> {
     let (key, value) = entry.split_once('=')?;
     let length = value.parse().ok().filter(|length: &Length| matches!(length, Length::Micrometres(_)));
     length.filter(|_| canonical_name(key.trim()) == Ok("r0"))
 }
 
-/// The cache folder in force: the one named, else `cache` in the working folder if there is one, else the user's.
+/// The cache folder: the given one, otherwise `cache` in the working folder if it exists, otherwise the user's.
 pub fn cache_folder(globals: &Globals) -> Result<PathBuf, CliError> {
     use etcetera::BaseStrategy;
     let here = Path::new("cache");

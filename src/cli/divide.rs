@@ -1,4 +1,4 @@
-//! `furrow divide`: one division, from the passive shape or from a stationary shape that is disturbed.
+//! `furrow divide`: one division, from the passive shape or from a disturbed stationary shape.
 
 use super::cell::{self, ActiveCellArgs, AxisArgs, positive};
 use super::context::Context;
@@ -57,8 +57,8 @@ pub struct DivideArgs {
     replicates: u32,
     /// Writes contours, curvatures, tensions, velocities and forces of the first replicate into a folder, after every step
     ///
-    /// A name that ends in .ply or .glb writes the surface instead: FILE.ply a file for each frame, FILE_0000.ply and so on, with
-    /// their list FILE.json, and FILE.glb one animated glTF file. Both have normals and the mean tension; lengths are in L_h.
+    /// With a name that ends in .ply or .glb it writes the surface instead: for FILE.ply one file per frame, FILE_0000.ply and so on,
+    /// listed in FILE.json; for FILE.glb one animated glTF file. Both have normals and the mean tension; lengths are in L_h.
     #[arg(help_heading = "Output", long, value_name = "DIR|FILE.ply|.glb")]
     frames: Option<PathBuf>,
     /// Writes a frame every TAU τ instead of after every step
@@ -66,8 +66,8 @@ pub struct DivideArgs {
     frame_step: Option<f64>,
     /// Starts from the stationary shape at the cell's activity; the outcome of a cell that does not divide is `failed`
     ///
-    /// This is the first such shape on the branch that starts at the passive shape, stable or not. The noise of the first step
-    /// disturbs it. The result has its distance from the start over time, ‖r − r0‖ + ‖z − z0‖ (L² over u).
+    /// This is the first such shape on the branch that starts at the passive shape, whether stable or unstable. The noise of the first
+    /// step disturbs it. The result includes the distance from the initial shape over time, ‖r − r0‖ + ‖z − z0‖ (L² over u).
     #[arg(help_heading = "Numerics", long)]
     from_steady: bool,
     /// Time limit with --from-steady, in τ
@@ -96,21 +96,21 @@ fn return_and_distances<S: Serializer>(found: &Option<Perturbation>, serializer:
     found.as_ref().map(|p| json!({ "returned": p.returned(), "dis": p.distances })).serialize(serializer)
 }
 
-/// The replicates that could be computed, and what else decides how the first of them divides.
+/// The replicates that could be computed, and the effects of noise and mesh on the first of them.
 struct Divisions {
     replicates: Vec<Replicate>,
-    /// The number of the others.
+    /// The number of failed replicates.
     undecided: usize,
     noise: Option<NoiseEffect>,
     mesh: Option<MeshEffect>,
 }
 
-/// The other division's part of a comparison of two divisions of a cell.
+/// The second division in a comparison of two divisions of a cell.
 fn compared(other: &Division) -> Value {
     filled(json!({ "outcome": other.outcome(), "chi": other.chi(), "u_furrow": other.u_furrow() }))
 }
 
-/// Whether the noise decides more than the side of a cell's furrow, shown by a division with another seed.
+/// Whether the noise affects more than the side of a cell's furrow, as tested by a division with another seed.
 struct NoiseEffect {
     seed: u64,
     other: Division,
@@ -118,7 +118,7 @@ struct NoiseEffect {
 }
 
 impl NoiseEffect {
-    /// Of the first division, by the first of the others that does not agree with it, else by the next one.
+    /// The effect on the first division, from the first of the others that disagrees with it, otherwise from the next one.
     fn of(first: &Division, others: &[Replicate], cell: &Cell) -> Option<NoiseEffect> {
         let differs = |other: &&Replicate| !first.agrees_with(&other.division, cell.is_mirror_symmetric());
         let found = others.iter().find(differs);
@@ -145,16 +145,16 @@ impl NoiseEffect {
 /// The same division on twice the mesh, with a quarter of the tolerance in time.
 struct MeshEffect {
     finer: Numerics,
-    /// Its outcome, or why it failed.
+    /// Its outcome, or the reason why it failed.
     other: Result<Division, CliError>,
-    /// Whether it disagrees with the division as given.
+    /// Whether it disagrees with the division on the given mesh.
     differs: bool,
-    /// By how much χ differs, where both divide.
+    /// The difference in χ, if both divide.
     uncertainty: Option<f64>,
 }
 
 impl MeshEffect {
-    /// Computes the refined division, if a mesh may be as fine, and compares.
+    /// Computes the refined division, if so fine a mesh is allowed, and compares.
     fn of(
         first: &Division,
         input: &DivisionInput,
@@ -198,12 +198,12 @@ impl MeshEffect {
     }
 }
 
-/// How a division ended, in a word.
+/// The outcome of a division in one word.
 fn found(division: &Division) -> String {
     division.chi().map_or("no division".to_owned(), |chi| format!("χ = {chi:.4}"))
 }
 
-/// Why a division has no outcome.
+/// The reason why a division has no outcome.
 fn reason(failure: Failure) -> CliError {
     match failure {
         Failure::Unsolved(error) => error.into(),
@@ -256,25 +256,25 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         let title = format!("Disturbed stationary shape at {}", described(&input.cell, &[]));
         picture.write(|| plot::perturbation::draw(&title, &named))?;
     }
-    // Results from a stationary shape are in natural units alone.
+    // Results from a stationary shape are given only in natural units.
     let units = if until.is_some() { Units::default() } else { context.units };
     print_as(context.json, &document(&input.cell, &units, until, &found), || text(&input.cell, &units, &found))
 }
 
-/// The film of a division that keeps its axis as a page.
+/// The page with the movie of an axisymmetric division.
 fn page(input: &DivisionInput, film: &Trajectory, frames: usize) -> io::Result<String> {
     let times = even_times(film.times().last().copied().unwrap_or(0.0), frames);
     let frames: Vec<_> = times.into_iter().map(|t| frames::surface(&film.at(t))).collect();
     FilmPage { input, division: &film.division, wall: &film.wall(), value: frames::TENSION, frames: &frames }.html()
 }
 
-/// The film of a division without axial symmetry as a page.
+/// The page with the movie of a division without axial symmetry.
 fn surface_page(input: &DivisionInput, film: &Film, frames: usize) -> io::Result<String> {
     let frames: Vec<_> = even_times(film.end(), frames).into_iter().map(|t| film::frame(&film.at(t))).collect();
     FilmPage { input, division: &film.found.division, wall: &film.wall, value: film::TENSION, frames: &frames }.html()
 }
 
-/// Divides the cell without axial symmetry; its shapes are computed where the memo does not answer all that is asked.
+/// Divides the cell without axial symmetry; shapes are computed if the memo lacks part of the requested results.
 fn without_axis(
     args: &DivideArgs,
     context: &Context,
@@ -312,7 +312,7 @@ fn without_axis(
     print_as(context.json, &document(), || text(&input.cell, &context.units, &found))
 }
 
-/// Checks that the frames can be written, before the work that they show.
+/// Checks that the frames can be written, before the computation.
 fn writable_frames(path: Option<&Path>) -> Result<(), InputError> {
     let Some(path) = path else { return Ok(()) };
     let files = FrameFiles::of(path);
@@ -323,13 +323,13 @@ fn writable_frames(path: Option<&Path>) -> Result<(), InputError> {
     files.check().map_err(|error| not_writable("--frames", path, allowed, &error))
 }
 
-/// The cue with its place and width by the cell's PAR polarity, if it follows that; without polarity no cue.
+/// The cue with position and width from the cell's PAR polarity, if the cue depends on it; no cue if the cell is not polarised.
 fn resolved_cue(cell: &Cell) -> Option<Cue> {
     let resolved = cell.cue.follows_par().then(|| polarity::resolved(cell).ok()).flatten()?;
     Some(resolved.cue.clone())
 }
 
-/// The first replicate, between the cell and all replicates.
+/// The result as JSON: the cell, the first replicate, and all replicates.
 fn document(cell: &Cell, units: &Units, until: Option<f64>, found: &Divisions) -> Value {
     let Divisions { replicates, undecided, noise, mesh } = found;
     let (first, Cell { r0, epsilon, xi_s, cue, .. }) = (&replicates[0], cell);
@@ -360,21 +360,21 @@ fn divide(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result
     if args.replicates == 1 {
         solve_ahead(input, &memo, context)?;
     }
-    // The second tells whether the noise matters.
+    // The second replicate shows whether the noise matters.
     let mut found = solve(args, context, (input, args.replicates.max(2) as usize), &memo, batch::solve)?;
     let Replicate { seed, division, .. } = &found.replicates[0];
     found.mesh = MeshEffect::of(division, &DivisionInput { seed: *seed, ..input.clone() }, &memo, context)?;
     found.noise = NoiseEffect::of(&found.replicates[0].division, &found.replicates[1..], &input.cell);
-    // With one replicate asked for, the second is there for the noise alone.
+    // If one replicate is requested, the second serves only to test the effect of the noise.
     found.replicates.truncate(args.replicates as usize);
     Ok(found)
 }
 
-/// Solves the divisions of one replicate at once and keeps them in the memo: the refined one, which takes longest, the
-/// replicate and the one of the next seed.
+/// Solves the divisions for one replicate in parallel and stores them in the memo: the refined one, which takes longest, the
+/// replicate, and the one with the next seed.
 ///
 /// # Errors
-/// Of the replicate; the others may fail.
+/// The error of the replicate; errors of the others are ignored.
 fn solve_ahead(input: &DivisionInput, memo: &Memo, context: &Context) -> Result<(), CliError> {
     let next = DivisionInput { seed: input.seed.wrapping_add(1), ..input.clone() };
     let all = input.refined().into_iter().chain([input.clone(), next]);
@@ -391,7 +391,7 @@ fn solve_ahead(input: &DivisionInput, memo: &Memo, context: &Context) -> Result<
     failed.map_or(Ok(()), |job| Err(reason(job.failure)))
 }
 
-/// Solves `count` replicates. At least one of those asked for must succeed; the others may fail without a word.
+/// Solves `count` replicates. At least one of the requested ones must succeed; failures of additional ones are not reported.
 fn solve(
     args: &DivideArgs,
     context: &Context,
@@ -421,7 +421,7 @@ fn solve(
     }
     let failed = found.undecided.into_iter().map(|job| (args.seed.wrapping_add(job.id as u64), reason(job.failure)));
     let solved = found.divisions.into_iter().map(|(seed, division)| Replicate { seed, division, perturbation: None });
-    // The one that was not asked for may fail without a word.
+    // A failure of the additional replicate is not reported.
     let asked = |seed: u64| seed.wrapping_sub(args.seed) < u64::from(args.replicates);
     let (wanted, more): (Vec<Replicate>, Vec<Replicate>) = solved.partition(|one| asked(one.seed));
     let mut found = at_least_one(wanted, failed.filter(|(seed, _)| asked(*seed)).collect())?;
@@ -429,7 +429,7 @@ fn solve(
     Ok(found)
 }
 
-/// Disturbs the stationary shape with every seed; at least one succeeds.
+/// Disturbs the stationary shape with every seed; at least one division must succeed.
 fn disturb(args: &DivideArgs, context: &Context, input: &DivisionInput, until: f64) -> Result<Divisions, CliError> {
     interrupt::listen();
     let (mut solved, mut failed) = (Vec::new(), Vec::new());
@@ -442,7 +442,7 @@ fn disturb(args: &DivideArgs, context: &Context, input: &DivisionInput, until: f
     at_least_one(solved, failed)
 }
 
-/// The successful replicates and the number of failed ones. Every failure gets a warning.
+/// The successful replicates and the number of failed ones. A warning is printed for every failure.
 fn at_least_one(solved: Vec<Replicate>, mut failed: Vec<(u64, CliError)>) -> Result<Divisions, CliError> {
     if solved.is_empty()
         && let Some((_, error)) = failed.pop()
@@ -489,12 +489,12 @@ fn text(cell: &Cell, units: &Units, found: &Divisions) -> String {
     out + &one_sided(cell, replicates)
 }
 
-/// A time with that many decimals, or of a long time as many digits as mean something.
+/// A time with the given number of decimals; long times are rounded to significant digits.
 fn time(t: f64, decimals: usize) -> String {
     if t < 1000.0 { format!("{t:.decimals$}") } else { rounded_number(t, 5) }
 }
 
-/// How a division went.
+/// The description of a division.
 fn division_text(d: &Division, units: &Units) -> String {
     let (mut out, t_end, minutes) = (String::new(), d.t_end, units.in_minutes(d.t_end));
     if let (Some(chi), Some(u), Some([below, above])) = (d.chi(), d.u_furrow(), d.daughters()) {
@@ -539,7 +539,7 @@ fn division_text(d: &Division, units: &Units) -> String {
     out
 }
 
-/// The prediction of linear theory for a cell that does not divide, where a disturbance that is not axisymmetric grows.
+/// The prediction of linear theory for a cell that does not divide, if a non-axisymmetric disturbance grows.
 fn one_sided(cell: &Cell, solved: &[Replicate]) -> String {
     // Without axial symmetry the bend is computed.
     let is_stable = |ending: &Ending| matches!(ending, Ending::Arrested { growth_rate: Some(rate) } if *rate < 0.0);

@@ -1,4 +1,4 @@
-//! Measured embryos as commands take them: files and folders, numbers of single embryos, names of cells; and how they are reported.
+//! Input of measured embryos (files and folders, values for single embryos, names of cells) and reports about them.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -17,18 +17,19 @@ use furrow_measured::volumes::{EmbryoSize, Unit};
 use super::messages;
 use super::output::{number, or_dash};
 
-// Cells with other names than the lineage's.
+// Cells whose names differ from the lineage's.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Names")]
 pub struct MatchArgs {
-    /// Table (CSV) with the columns tracked and name, and optionally embryo: what cells are called in the tables, and in the lineage
+    /// Table (CSV) with the columns tracked (the name in the tables), name (the name in the lineage) and optionally embryo
     #[arg(long, value_name = "MAP.csv")]
     names: Option<PathBuf>,
-    /// Cell of a tracked embryo and its name in the lineage; cells below it get their names by their divisions. NAME alone names the
-    /// only cell that has no mother
+    /// Cell of a tracked embryo and its name in the lineage; its descendants are named division by division. NAME alone refers to the
+    /// only cell without a mother
     ///
-    /// Of two daughters the larger one gets the name of the larger founder, or the first letter; without sizes the one born first, or
-    /// else the one that comes first in the file. Names in --names, and names of the lineage that cells have already, come before.
+    /// The larger daughter gets the name of the larger founder, or the first letter; without sizes the daughter born first does, or
+    /// otherwise the one that comes first in the file. Names in --names, and names of the lineage that cells already have, take
+    /// precedence.
     #[arg(long, value_name = "TRACKED=NAME")]
     root: Vec<String>,
 }
@@ -45,10 +46,10 @@ impl MatchArgs {
     }
 }
 
-/// Most files that are left out with a warning each; more are counted.
+/// Largest number of omitted files with a separate warning; the rest is counted.
 const MOST_LEFT_OUT: usize = 10;
 
-/// The files of embryos and tables by paths, folders and patterns. Warnings name the files that are left out.
+/// The files of embryos and tables from paths, folders and patterns. Warnings list the omitted files.
 pub fn files_of(paths: &[PathBuf], tables: TableKind) -> Result<Vec<EmbryoFile>, InputError> {
     let (files, left_out) = embryo_files(paths, tables)?;
     for LeftOut { why, .. } in left_out.iter().take(MOST_LEFT_OUT) {
@@ -60,7 +61,7 @@ pub fn files_of(paths: &[PathBuf], tables: TableKind) -> Result<Vec<EmbryoFile>,
     Ok(files)
 }
 
-/// A number for all embryos, or one of one embryo.
+/// A number for all embryos, or for one embryo.
 pub type OfEmbryo = (Option<String>, f64);
 
 /// Reads NUMBER or EMBRYO=NUMBER.
@@ -74,7 +75,7 @@ pub fn of_embryo(text: &str) -> Result<OfEmbryo, String> {
     }
 }
 
-/// The edges of voxels.
+/// The edge lengths of voxels.
 pub fn voxels(given: &[OfEmbryo]) -> Result<PerEmbryo, InputError> {
     let voxels = PerEmbryo::of_list(given, "--voxel")?;
     voxels.require_in([1e-6, 1e6], ("--voxel", "voxel"), "a length in µm, from 1e-6 to 1e6")?;
@@ -88,12 +89,12 @@ pub fn frame_minutes(given: &[OfEmbryo]) -> Result<PerEmbryo, InputError> {
     Ok(minutes)
 }
 
-/// How cells were matched.
+/// The report on the matching of cells.
 pub fn matched_text(matched: &[Matched]) -> String {
     matched.iter().map(Matched::to_string).collect()
 }
 
-/// A factor and how far its cells scatter about it, in per cent.
+/// A factor and the scatter of the cells about it, in per cent.
 fn factor_text(factor: Option<f64>, scatter: Option<f64>) -> String {
     let scatter = scatter.map_or(String::new(), |scatter| format!(" ± {:.1} %", 100.0 * scatter));
     or_dash(factor, 4) + &scatter
@@ -103,7 +104,7 @@ fn width(names: impl Iterator<Item = usize>) -> usize {
     names.fold(10, usize::max)
 }
 
-/// The sizes of embryos, of two or more.
+/// The size factors of embryos, if there are at least two.
 pub fn sizes_text(sizes: &[EmbryoSize], unit: Option<Unit>) -> String {
     if sizes.len() < 2 {
         return String::new();
@@ -121,7 +122,7 @@ pub fn sizes_text(sizes: &[EmbryoSize], unit: Option<Unit>) -> String {
     out + "\n"
 }
 
-/// The times of embryos, of two or more.
+/// The time factors of embryos, if there are at least two.
 pub fn times_text(times: &[EmbryoTimes]) -> String {
     if times.len() < 2 {
         return String::new();

@@ -23,26 +23,26 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// The options of a search among sets of constants.
+/// The options of a search over sets of constants.
 pub struct SearchOptions<'a> {
     pub count: usize,
     pub seed: u64,
-    /// Its results; with it an interrupted search resumes.
+    /// The file of the results; with it an interrupted search can be resumed.
     pub out: Option<&'a Path>,
 }
 
-/// A kind of search among sets of constants.
+/// A kind of search over sets of constants.
 pub struct SearchRun {
-    /// The schema of the definition in its journal.
+    /// The schema of the search definition in the journal.
     pub schema: &'static str,
-    /// The rounds that this definition counts.
+    /// The name of one round of the search.
     pub counted: &'static str,
     /// The same in the progress line.
     pub progress: &'static str,
 }
 
 impl SearchRun {
-    /// Searches, with a journal beside the file of the results, and writes these as `text` puts them.
+    /// Searches, with a journal next to the file of the results, and writes the results as formatted by `text`.
     pub fn find<T>(
         &self,
         targets: &Targets,
@@ -62,7 +62,7 @@ impl SearchRun {
             Journal::open_file(&file, &definition, JOURNAL_COLUMNS.map(str::to_owned).into())
         };
         let journal = out.map(open).transpose()?;
-        // Every check is in the journal as soon as it is made.
+        // Every check is written to the journal immediately.
         if out.is_some() {
             interrupt::finish();
         }
@@ -137,10 +137,10 @@ fn ensemble_text(found: &Ensemble) -> String {
     text
 }
 
-/// The files of a lineage over sets of constants.
+/// The output files for a lineage over sets of constants.
 const RANGES_FILES: [&str; 4] = ["ranges.csv", "ranges.json", "ranges.svg", "run.json"];
 
-/// Grows a lineage with every set of constants of a table, the file; writes files if there is a folder for them.
+/// Grows a lineage with every set of constants in the table `file`; writes files if an output folder is given.
 pub fn grow_over(
     (file, sets): (&Path, &[Constants]),
     scenario: &Scenario,
@@ -153,7 +153,7 @@ pub fn grow_over(
     writable_folder("--out", out, &RANGES_FILES)?;
     picture.check_apart(out, &RANGES_FILES)?;
     let files = out.map(|folder| FileSet::begin(folder, RANGES_FILES));
-    // These trees are not cached, so there is nothing to finish.
+    // These trees are not cached, so Ctrl-C may stop immediately.
     interrupt::abort();
     let done = AtomicUsize::new(0);
     let found = context.shown(|line| {
@@ -190,12 +190,12 @@ pub fn grow_over(
     })
 }
 
-/// The columns of ranges.csv: of every number its 5 %, its median and its 95 % over the sets; shares of their weight.
+/// The columns of ranges.csv: 5 %, median and 95 % of every number over the sets; fractions of the weight.
 const RANGES_COLUMNS: &str = "founder,divides,chi_p5,chi_p50,chi_p95,min_p5,min_p50,min_p95,mean_p5,mean_p50,mean_p95,\
     max_p5,max_p50,max_p95,full_doublings_p5,full_doublings_p50,full_doublings_p95,symmetric_p5,symmetric_p50,symmetric_p95,\
     terminal_p5,terminal_p50,terminal_p95,within_one_min,within_one_mean,within_one_max,depends_on,rank_correlation";
 
-/// A founder as a row of these columns.
+/// The row of a founder in these columns.
 fn ranges_row(founder: &FounderRange) -> Vec<Value> {
     let three = |range: Option<Range>| range.map_or([None; 3], |r| [Some(r.p5), Some(r.p50), Some(r.p95)]);
     let rounds = founder.rounds;

@@ -1,4 +1,4 @@
-//! What ends a command, and its exit code.
+//! Errors that end a command, and its exit code.
 
 use std::error::Error;
 use std::fmt;
@@ -16,7 +16,7 @@ use furrow_surface::steady::NoRest;
 /// The reason for the end of a command: one of its own errors, or an error of the library.
 #[derive(Debug)]
 pub enum CliError {
-    /// Bad usage, reported already.
+    /// Invalid usage that has already been reported.
     Usage,
     /// The run was interrupted.
     Interrupted,
@@ -57,7 +57,7 @@ impl fmt::Display for CliError {
     }
 }
 
-/// What helps, added to an error of the library.
+/// Advice added to an error of the library.
 fn hint(error: &(dyn Error + 'static)) -> &'static str {
     const RESUMES: &str = "; solved divisions are kept in the cache (unless --no-cache), and the same command resumes";
     if error.is::<NoRest>() {
@@ -77,7 +77,7 @@ fn hint(error: &(dyn Error + 'static)) -> &'static str {
 }
 
 impl CliError {
-    /// What helps, if the command has the options that it names.
+    /// Advice on the error, if the command has the options that the advice names.
     pub fn hint(&self, options: &[String]) -> &'static str {
         let CliError::Library(error) = self else { return "" };
         let hint = hint(error.as_ref());
@@ -87,7 +87,7 @@ impl CliError {
         if named.into_iter().all(has) { hint } else { "" }
     }
 
-    /// 2 for bad input, else 1.
+    /// 2 for invalid input, otherwise 1.
     pub fn exit_code(&self) -> u8 {
         let CliError::Library(error) = self else { return if matches!(self, CliError::Usage) { 2 } else { 1 } };
         let division = match error.downcast_ref() {

@@ -1,4 +1,4 @@
-//! `furrow explore`: the page that computes.
+//! `furrow explore`: the interactive page.
 
 use super::cell::FirstCellArgs;
 use super::context::Context;

@@ -27,7 +27,7 @@ Examples:
   furrow export sulston1983 --to newick --subtree MS
   furrow export --schema")]
 pub struct ExportArgs {
-    /// The tree.json that furrow tree wrote, or an observed embryo: one followed by another program, or a table of lifetimes;
+    /// A tree.json written by furrow tree, or an observed embryo: one tracked by another program, or a table of lifetimes;
     /// sulston1983 is the embryonic lineage of C. elegans
     #[arg(value_name = "TREE.json|EMBRYO", required_unless_present = "schema")]
     tree: Option<PathBuf>,
@@ -38,12 +38,12 @@ pub struct ExportArgs {
     /// Output file, or for itol and geff a folder; default stdout
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Branch lengths: the time a division takes in τ (default), one per generation, minutes from birth to division by the
+    /// Branch lengths: the duration of the division in τ (default), one per generation, minutes from birth to division by the
     /// lineage's clock, or none. Cells just above the threshold of division take thousands of τ and dwarf all other branches.
-    /// The time points of lineagetree, geff and ctc are minutes if there is a clock, or generations
+    /// The time points of lineagetree, geff and ctc are minutes if there is a clock, otherwise generations
     #[arg(help_heading = "Output", long, value_name = "LENGTHS", value_parser = one_of(BranchLengths::NAMED))]
     branch_lengths: Option<BranchLengths>,
-    /// Exports this cell and those below it
+    /// Exports this cell and its descendants
     #[arg(help_heading = "Output", long, value_name = "CELL", conflicts_with = "schema")]
     subtree: Option<String>,
     #[command(flatten)]
@@ -53,17 +53,17 @@ pub struct ExportArgs {
     schema: bool,
 }
 
-// What an observed embryo is read with.
+// Options for reading an observed embryo.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Observed embryos")]
 struct ObservedArgs {
     /// Lineage with the founders of the cells; default the built-in C. elegans founders
     #[arg(long, value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
-    /// Tables of cell volumes, as for compare volumes, beside a table of lifetimes
+    /// Tables of cell volumes, as for compare volumes, in addition to a table of lifetimes
     #[arg(long, value_name = "FILE")]
     volumes: Vec<PathBuf>,
-    /// Minutes from one frame to the next; without it time points are frames where the file counts them
+    /// Minutes per frame; without this option time points are frames if the file counts frames
     #[arg(long, value_name = "MIN", value_parser = number)]
     frame_minutes: Option<f64>,
     /// Edge of a voxel in µm, for sizes in pixels
@@ -82,7 +82,7 @@ pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
         let names = args.observed.matching.names(&lineage)?;
         let observed = args.observed.read(file, names.clone())?;
         let founders: Vec<&str> = lineage.founders.iter().map(|founder| founder.name.as_str()).collect();
-        // The recording gives the time points.
+        // Time points come from the recording.
         let lengths = args.branch_lengths.unwrap_or(BranchLengths::Minutes);
         let sheet = observed.sheet(&founders, &names);
         check_sheet(&sheet, format, lengths)?;
@@ -125,7 +125,7 @@ impl ObservedArgs {
         Ok(found.lineage)
     }
 
-    /// Refuses options that a tree of the model does not use.
+    /// Rejects options that do not apply to a tree of the model.
     fn refuse_for_trees(&self) -> Result<(), InputError> {
         let given = [
             ("--lineage", self.lineage.is_some()),
@@ -140,7 +140,7 @@ impl ObservedArgs {
     }
 }
 
-/// Writes the cells, or prints them.
+/// Writes the cells to the file, or prints them.
 fn write(
     args: &ExportArgs,
     format: Format,
@@ -172,7 +172,7 @@ fn write(
     })
 }
 
-/// Refuses conflicting options before the tree is read.
+/// Rejects conflicting options before the tree is read.
 fn check(args: &ExportArgs, format: Format, globals: &Globals) -> Result<(), InputError> {
     if let Some(lengths) = args.branch_lengths {
         format.check_lengths(lengths)?;
@@ -185,7 +185,7 @@ fn check(args: &ExportArgs, format: Format, globals: &Globals) -> Result<(), Inp
         }
         (None, _) => Ok(()),
         (Some(folder), Format::Geff) => {
-            // Its arrays would hide those that are written.
+            // Arrays of an earlier export would hide the new ones.
             let other = folder.join("zarr.json");
             let allowed = "a folder without a file zarr.json, which is of Zarr version 3: version 2 is written";
             InputError::require(!other.exists(), "--out", "out", folder.display(), allowed)?;

@@ -1,4 +1,4 @@
-//! What Ctrl-C does: it stops the command at once, unless the command finishes divisions that have begun.
+//! Ctrl-C stops the command immediately, unless the command finishes divisions in progress.
 
 use super::error::CliError;
 use super::messages::{self, Level};
@@ -16,12 +16,12 @@ static FINISH: AtomicBool = AtomicBool::new(false);
 /// Whether solved divisions go to the cache.
 static CACHES: AtomicBool = AtomicBool::new(false);
 
-/// From now on solved divisions go to the cache, and the message of Ctrl-C says so.
+/// Declares that solved divisions go to the cache from now on; the message printed at Ctrl-C mentions this.
 pub fn cached() {
     CACHES.store(true, Ordering::SeqCst);
 }
 
-/// Starts to listen, once. Until [`finish`] is called Ctrl-C stops the command at once: it has nothing to keep.
+/// Starts to listen, once. Until [`finish`] is called Ctrl-C stops the command immediately, since there are no results to keep.
 pub fn listen() {
     static ONCE: Once = Once::new();
     ONCE.call_once(set_handler);
@@ -33,7 +33,7 @@ fn set_handler() {
     }
 }
 
-/// Calls `act` on a thread of its own at every Ctrl-C, request to terminate and loss of the terminal.
+/// Calls `act` on a separate thread at every Ctrl-C, termination request and loss of the terminal.
 #[cfg(unix)]
 fn on_interrupt(act: fn()) -> std::io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -47,12 +47,12 @@ fn on_interrupt(act: fn()) -> Result<(), ctrlc::Error> {
     ctrlc::set_handler(act)
 }
 
-/// From now on the first Ctrl-C only sets [`flag`]: divisions that have begun are finished and kept.
+/// From now on the first Ctrl-C only sets [`flag`]: divisions in progress are finished and kept.
 pub fn finish() {
     FINISH.store(true, Ordering::SeqCst);
 }
 
-/// From now on Ctrl-C stops the command at once again; an earlier one does so here.
+/// From now on Ctrl-C stops the command immediately again. If it was pressed before, the command stops here.
 pub fn abort() {
     FINISH.store(false, Ordering::SeqCst);
     if INTERRUPTED.load(Ordering::SeqCst) {
@@ -60,7 +60,7 @@ pub fn abort() {
     }
 }
 
-/// Defers an interruption until the work, such as writing files, is done.
+/// Defers an interruption until the given work, such as writing files, is finished.
 pub fn defer<T>(work: impl FnOnce() -> T) -> T {
     let finish = FINISH.swap(true, Ordering::SeqCst);
     let done = work();
@@ -71,12 +71,12 @@ pub fn defer<T>(work: impl FnOnce() -> T) -> T {
     done
 }
 
-/// Writes a file whole; an interruption waits for it.
+/// Writes a complete file; an interruption is deferred until then.
 pub fn write_deferred(file: &Path, bytes: &[u8]) -> Result<(), CliError> {
     Ok(defer(|| write_atomically(file, bytes))?)
 }
 
-/// What Ctrl-C sets.
+/// The flag that Ctrl-C sets.
 pub fn flag() -> &'static AtomicBool {
     &INTERRUPTED
 }

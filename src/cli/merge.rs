@@ -1,4 +1,4 @@
-//! `furrow merge`: the parts of a sweep, or of a sample of a posterior, put together.
+//! `furrow merge`: merges the parts of a sweep, or of a sample of a posterior.
 
 use super::context::Globals;
 use super::error::CliError;
@@ -42,12 +42,12 @@ pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
     let table = merge(&args.parts)?;
     table.write(&args.out)?;
     let (points, parts, out) = (table.rows.len(), args.parts.len(), args.out.display().to_string());
-    // As of a sweep without anything new to solve.
+    // The counts are those of a sweep with no new divisions.
     let document = json!({ "points": points, "solved": 0, "reused": points, "parts": parts, "out": out });
     print_as(globals.json, &document, || format!("{points} points of {parts} parts; files in {out}\n"))
 }
 
-/// The parts of a sample as one table.
+/// Merges the parts of a sample into one table.
 fn merge_samples(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
     writable_file("--out", args.out.as_path())?;
     let MergedSample { csv, points, parts, log_evidence } = merge_parts(&args.parts)?;

@@ -1,4 +1,4 @@
-//! Messages on stderr besides errors: warnings unless `--quiet`, and more with `-v`.
+//! Messages on stderr other than errors: warnings unless `--quiet`, and more with `-v`.
 
 use std::fmt::{Arguments, Display};
 use std::io::IsTerminal;
@@ -46,7 +46,7 @@ pub fn write(level: Level, message: Arguments<'_>) {
         Level::Info => (32, " INFO"),
         Level::Debug => (34, "DEBUG"),
     };
-    // Paths and names of files may hold control characters.
+    // Paths and names of files may contain control characters.
     let message = message.to_string();
     let message = printable_lines(&message);
     output::write_error(&match std::io::stderr().is_terminal() {
@@ -55,7 +55,7 @@ pub fn write(level: Level, message: Arguments<'_>) {
     });
 }
 
-/// Prints every one of these as a warning.
+/// Prints each message as a warning.
 pub fn warn_of(warnings: impl IntoIterator<Item = impl Display>) {
     warnings.into_iter().for_each(|warning| warning!("{warning}"));
 }

@@ -1,4 +1,4 @@
-//! The command line: one file a command. Results go to stdout, messages to stderr.
+//! The command line, with one file per command. Results go to stdout, messages to stderr.
 
 mod boundary;
 mod branch;
@@ -63,8 +63,8 @@ enum Command {
     /// Prints the rounds of division of each founder next to the observed ones. Writes tree.nwk, tree.json, tree.svg, report.html and
     /// run.json.
     ///
-    /// With several lineages or several --cue, every combination is a scenario. One run grows and compares all of them, writes
-    /// scenarios.csv, report.html and run.json, and writes each tree into a folder with the scenario's name.
+    /// With several lineages or several --cue, every combination is a scenario. One run grows and compares all scenarios, writes
+    /// scenarios.csv, report.html and run.json, and writes each tree into a folder named after the scenario.
     Tree(tree::TreeArgs),
     /// Computes one division, from the passive shape to pinch-off or rest
     ///
@@ -74,19 +74,19 @@ enum Command {
     Steady(steady::SteadyArgs),
     /// Continues symmetric and asymmetric stationary shapes over ξ_s, with their folds and pitchforks
     ///
-    /// With a cue without mirror symmetry it continues the shapes that start at the passive one.
+    /// If the cue breaks the mirror symmetry, the command continues the branch of the passive shape.
     Branch(branch::BranchArgs),
     /// Locates the first pitchfork of the mirror-symmetric shapes and its criticality
     Pitchfork(pitchfork::PitchforkArgs),
     /// Continues the boundary of division over a parameter: the pitchfork and the folds of mirror-symmetric shapes
     ///
-    /// With a cue without mirror symmetry the boundary is the fold that ends the stable shapes.
+    /// If the cue breaks the mirror symmetry, the boundary is the fold at which the stable shapes end.
     Boundary(boundary::BoundaryArgs),
-    /// Computes PAR polarity at the sizes of the germline: where its boundary lies, what χ follows, and at which size it ends
+    /// Computes PAR polarity at the sizes of the germline: the position of its boundary, the resulting χ, and the smallest polarised cell
     ///
-    /// Two antagonists with cytosolic pools (Goehring et al. 2011) on the passive shape of the cell. Where a polarised state exists, κ
-    /// follows P as a step, and the cell divides with this cue. Prints for each cell of the germline the boundary and χ beside the
-    /// measured χ, and the smallest polarised cell beside the smallest that divides.
+    /// The model has two antagonists with cytosolic pools (Goehring et al. 2011) on the passive shape of the cell. If a polarised state
+    /// exists, κ follows P as a step, and the cell divides with this cue. For each cell of the germline the command prints the boundary,
+    /// and χ next to the measured χ. It also prints the smallest polarised cell and the smallest cell that divides.
     Polarity(polarity::PolarityArgs),
     /// Maps outcomes over a parameter and ξ_s: rest from the exact edges of stable shapes, χ from divisions elsewhere
     Phase(phase::PhaseArgs),
@@ -97,12 +97,12 @@ enum Command {
     Sweep(sweep::SweepArgs),
     /// Merges the parts of a sweep, or of a sample of furrow test
     ///
-    /// A merged sweep has the files of the whole sweep, byte for byte. Fails if parts are missing or come from different sweeps or versions
-    /// of furrow.
+    /// The files of a merged sweep are identical to those of the whole sweep. The command fails if parts are missing or come from different
+    /// sweeps or versions of furrow.
     Merge(merge::MergeArgs),
-    /// Solves for one parameter: the values at which a cell divides with a wanted χ, furrow position or time
+    /// Solves for one parameter: the values at which a cell divides with a required χ, furrow position or time
     ///
-    /// Lists all roots in a range. Jumps of the outcome over the wanted value, and values without a division, are named.
+    /// Lists all roots in a range, jumps of the outcome across the required value, and values without a division.
     Solve(solve::SolveArgs),
     /// Writes a grown tree, or an observed embryo, in the formats of other programs
     ///
@@ -117,22 +117,23 @@ enum Command {
     ///
     /// constants: one set of constants for the observed rounds and terminal cells of founders and the measured χ of the germline, with
     /// the Pareto front between this fit and the published thresholds.
-    /// activity: for each founder by itself, the activity that gives its observed rounds.
-    /// cue: the cue that gives the measured χ of the germline, and which combinations of its numbers stay undetermined.
+    /// activity: for each founder separately, the activity that gives its observed rounds.
+    /// cue: the cue that gives the measured χ of the germline, and which combinations of its numbers remain undetermined.
     /// clock: the lifetimes of cells as powers of their volumes, for a lineage file.
     Fit(fit::FitArgs),
     /// Tests hypotheses against each other: which cue fits measured χ best, and whether the difference is more than chance
     ///
-    /// Prints for each hypothesis its log likelihood, AICc, the score of embryos that were left out of its fit, its numbers with their
-    /// errors and the cells that do not divide; and for each pair whether it is distinguishable, or how many embryos that would need.
+    /// For each hypothesis the command prints the log likelihood, AICc, the score of left-out embryos, the fitted numbers with their
+    /// errors, and the cells that do not divide. For each pair of hypotheses it prints whether they are distinguishable, or how many
+    /// embryos would be needed.
     Test(test::TestArgs),
     /// Compares the model with measured embryos
     Compare(compare::CompareArgs),
     /// Recomputes the paper figure by figure and lists what agrees and what differs
     ///
     /// FIGURE is a figure, panel, table or movie of the paper, such as 2A, S5, `Table S3` or `Movie 1`, or a group, such as 2 or movies.
-    /// All of them take a minute or two. Sizes, confinement, activity and cues of single cells are the paper's; the constants, and
-    /// everything of lineages, come from --preset, --config and --set.
+    /// All figures take a minute or two. Sizes, confinement, activity and cues of single cells are the paper's; the constants, and
+    /// all settings of lineages, come from --preset, --config and --set.
     Reproduce(reproduce::ReproduceArgs),
     /// Writes a web page that computes divisions in the browser: any cell you choose, and the founders' tree under another cue
     ///
@@ -151,7 +152,7 @@ pub fn command() -> clap::Command {
     Command::augment_subcommands(Cli::command()).subcommand_required(true)
 }
 
-/// Runs the command line of this process. Exit code 0: done; 1: the computation failed; 2: bad input.
+/// Runs the command line of this process. Exit codes: 0, done; 1, the computation failed; 2, invalid input.
 pub fn main() -> ExitCode {
     survive_full_disks();
     let mut options = Vec::new();
@@ -172,15 +173,15 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// A number below 0 is the value of the option before it, so that a refusal names both.
+/// Treats a negative number as the value of the preceding option, so that an error names both.
 fn with_negative_numbers(command: clap::Command) -> clap::Command {
     command
         .mut_args(|arg| if arg.get_action().takes_values() { arg.allow_negative_numbers(true) } else { arg })
         .mut_subcommands(with_negative_numbers)
 }
 
-/// Reads the arguments. clap copies the options of all commands into each command it knows: where the first argument names one,
-/// it gets to know that one alone. The names of the command's options go to `options`.
+/// Parses the arguments. clap copies the global options into each registered command; if the first argument is a command, only this
+/// command is registered, to save time. The names of the command's options are added to `options`.
 fn parse(options: &mut Vec<String>) -> Result<(Globals, Command), clap::Error> {
     let commands = Command::augment_subcommands(clap::Command::default());
     let named = std::env::args_os().nth(1).and_then(|name| commands.find_subcommand(name).cloned());
@@ -206,7 +207,7 @@ fn parse(options: &mut Vec<String>) -> Result<(Globals, Command), clap::Error> {
 /// Options that write a file.
 const WRITTEN: [&str; 9] = ["out", "plot", "movie", "frames", "csv", "write", "posterior", "table", "front"];
 
-/// Two options of a command that name one file, if there are any: one output would replace the other.
+/// The error if two options of a command name the same file, in which case one output would replace the other.
 fn one_file_twice(matches: &clap::ArgMatches, options: &[String]) -> Option<String> {
     let written = WRITTEN.into_iter().filter(|name| options.iter().any(|option| option == name));
     let mut named: Vec<(&str, PathBuf)> = Vec::new();
@@ -222,14 +223,14 @@ fn one_file_twice(matches: &clap::ArgMatches, options: &[String]) -> Option<Stri
     None
 }
 
-/// Makes a write beyond the limit on file sizes fail like one to a full disk. Without a handler the signal would kill the process,
-/// which would leave its temporary files behind.
+/// Makes a write beyond the limit on file sizes fail like a write to a full disk. Without a handler the signal would kill the process
+/// and leave its temporary files behind.
 fn survive_full_disks() {
     #[cfg(unix)]
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
 }
 
-/// The options, with the parameter that --three-dimensional sets.
+/// The global options, including the parameter set by --three-dimensional.
 fn with_axis<'a>(globals: &'a Globals, command: &Command) -> Cow<'a, Globals> {
     let setting = match command {
         Command::Tree(args) => args.axis.setting(),
@@ -250,7 +251,7 @@ fn with_axis<'a>(globals: &'a Globals, command: &Command) -> Cow<'a, Globals> {
 }
 
 fn run(globals: &Globals, command: Command) -> Result<(), CliError> {
-    // A known division is answered in less time than it takes to listen to Ctrl-C: `divide` does so itself.
+    // A cached division takes less time than installing the Ctrl-C handler, so `divide` installs it itself when needed.
     if !matches!(command, Command::Divide(_)) {
         interrupt::listen();
     }

@@ -1,4 +1,4 @@
-//! `furrow new-lineage`: a lineage file to begin with.
+//! `furrow new-lineage`: writes a template for a lineage file.
 
 use super::context::Globals;
 use super::error::CliError;
@@ -20,8 +20,8 @@ pub struct NewLineageArgs {
     /// Output file; an existing file is not overwritten
     #[arg(value_name = "FILE.ron")]
     file: PathBuf,
-    /// Diameter of the first cell, of the sphere with its volume, in µm, such as 55um: writes its radius R0, and the L_h of an animal
-    /// with the worm's proportions, in which this radius is 5.4
+    /// Diameter of a sphere with the volume of the first cell, in µm, such as 55um. The file gets the radius R0 and the L_h for which
+    /// this radius is 5.4, as in the worm
     #[arg(help_heading = "Output", long, value_name = "DIAMETER", value_parser = diameter)]
     first_cell: Option<Length>,
 }
@@ -57,7 +57,7 @@ fn template(diameter: Option<Length>) -> Result<String, InputError> {
         "r0: \"17um\",                 // or 5.38, in L_h;",
         &format!("r0: \"{radius}um\",                 // or 5.4, in L_h;"),
     );
-    // The template's counts are the worm's, as an example.
+    // The counts in the template are the worm's and serve as an example.
     Ok(text.replace(" observed: (", " // observed: ("))
 }
 

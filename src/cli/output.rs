@@ -1,4 +1,5 @@
-//! The two streams of the command, its files, and numbers of its options. If stdout cannot be written, the command fails; messages that stderr cannot take are lost.
+//! Standard output and error, output files, and numeric options. The command fails if stdout cannot be written; messages that cannot
+//! be written to stderr are lost.
 
 use super::error::CliError;
 pub use furrow_analysis::json::{filled, merged};
@@ -19,8 +20,8 @@ pub fn print_as(json: bool, document: &impl Serialize, text: impl FnOnce() -> St
     print(&if json { to_json(document)? } else { text() })
 }
 
-/// Writes text to stdout, or JSON. Cells of tables and names of files may hold characters that control a terminal; they are escaped as
-/// in JSON, which leaves some of them as they are.
+/// Writes text or JSON to stdout. Table entries and file names may contain terminal control characters; these are escaped as
+/// in JSON, which leaves some of them unescaped.
 pub fn print(text: &str) -> Result<(), CliError> {
     let controls = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
     let escape = |c: char| if controls(c) { format!("\\u{:04x}", u32::from(c)) } else { c.to_string() };
@@ -31,7 +32,7 @@ pub fn print(text: &str) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Writes a message to stderr. `eprintln!` panics where stderr is full or closed, before the run has written its files.
+/// Writes a message to stderr. `eprintln!` would panic if stderr is full or closed, before the run has written its files.
 pub fn eprint(text: &str) {
     write_error(&format!("furrow: {}\n", printable_lines(text)));
 }
@@ -41,13 +42,13 @@ pub fn write_error(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
 
-/// Prints what clap reports: help and version go to stdout, usage errors are bad input.
+/// Prints the output of clap: help and version go to stdout; usage errors count as invalid input.
 pub fn print_usage(error: &clap::Error) -> Result<(), CliError> {
     let printed = error.print().and_then(|()| io::stdout().flush());
     if error.use_stderr() { Err(CliError::Usage) } else { Ok(printed?) }
 }
 
-/// Checks that these files can be written into the folder of an option, before any work for their contents.
+/// Checks that these files can be written into the folder of an option, before the computation.
 pub fn writable_folder<'a>(
     option: &str,
     folder: impl Into<Option<&'a Path>>,
@@ -57,21 +58,21 @@ pub fn writable_folder<'a>(
     check_folder(folder, names).map_err(|error| not_writable(option, folder, "a folder that can be written to", &error))
 }
 
-/// Checks that the file of an option can be written, before any work for its contents.
+/// Checks that the file of an option can be written, before the computation.
 pub fn writable_file<'a>(option: &str, file: impl Into<Option<&'a Path>>) -> Result<(), InputError> {
     let Some(file) = file.into() else { return Ok(()) };
     check_file(file).map_err(|error| not_writable(option, file, "a file that can be written", &error))
 }
 
-/// An option's file or folder that cannot be written.
+/// The error for an option's file or folder that cannot be written.
 pub fn not_writable(option: &str, given: &Path, allowed: &str, error: &WriteError) -> InputError {
-    // Only a file within the given folder is named once more.
+    // The file is named in addition only if it is within the given folder.
     let within = if Path::new(&error.path) == given { String::new() } else { format!("{}: ", error.path) };
     let allowed = format!("{allowed} ({within}{})", error.source);
     InputError::not_allowed(option, option.trim_start_matches('-'), format!("{given:?}"), allowed)
 }
 
-/// Reads the number of an option.
+/// Parses the number of an option.
 ///
 /// # Errors
 /// Gives the allowed values; clap adds the option and the value.
@@ -80,7 +81,7 @@ pub fn number(text: &str) -> Result<f64, String> {
     finite.ok_or_else(|| "must be a finite number, as 0.87 or 1e-3".to_owned())
 }
 
-/// Reads the seed of random numbers.
+/// Parses the seed of random numbers.
 pub fn seed(text: &str) -> Result<u64, String> {
     text.trim().parse().map_err(|_| format!("must be a whole number from 0 to {}", u64::MAX))
 }

@@ -49,7 +49,7 @@ pub struct PhaseArgs {
     /// Seed of the noise in the first step
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0, value_parser = seed)]
     seed: u64,
-    /// Draws where disturbances cos mφ, m = 1 to M, begin to grow
+    /// Draws the activity above which disturbances cos mφ, m = 1 to M, grow
     #[arg(help_heading = "Output", long, value_name = "M", requires = "plot", value_parser = clap::value_parser!(u8).range(1..=MOST_AZIMUTHAL))]
     azimuthal: Option<u8>,
     #[command(flatten)]
@@ -88,12 +88,12 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
     print_as(context.json, &document, || text(&plane, &diagram))
 }
 
-/// Computes the diagram; logs what could not be computed.
+/// Computes the diagram; logs points that could not be computed.
 fn solve(context: &Context, plane: &PhasePlane) -> Result<PhaseDiagram, CliError> {
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let show = |progress| {
-        // Divisions are cached; the shapes at rest, computed before, are not.
+        // Divisions are cached; the stationary shapes, computed before, are not.
         interrupt::finish();
         line.show_all(progress);
     };

@@ -1,4 +1,4 @@
-//! `--plot` and `--movie`: a command's results as a picture or a movie.
+//! `--plot` and `--movie`: results of a command as a picture or a movie.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use furrow_figures::movie::MovieFormat;
 use furrow_formats::files::WriteError;
 use furrow_input::InputError;
 
-/// Places of each mesh interval in pictures and movies.
+/// Sample points per mesh interval in pictures and movies.
 pub const DENSE: usize = 6;
 
 // The option of all commands that draw.
@@ -30,8 +30,8 @@ pub struct PlotArgs {
 pub struct MovieArgs {
     /// Writes a movie of the first replicate: GIF, animated PNG, animated SVG or a page by the file's extension
     ///
-    /// The page FILE.html is one file that browsers show without a network. In it the cell can be turned; its colour is the mean
-    /// tension, and beside it are the numbers of the shown time.
+    /// The page FILE.html is a single file that needs no network. It shows the cell, which can be rotated and whose colour is the mean
+    /// tension, next to the numbers of the current frame.
     #[arg(help_heading = "Output", long = "movie", value_name = "FILE.gif|.png|.svg|.html")]
     movie: Option<PathBuf>,
     /// Frames of the movie, evenly spaced in time; default 80, for SVG 20
@@ -39,21 +39,21 @@ pub struct MovieArgs {
     movie_frames: Option<u32>,
 }
 
-/// The file of an option, if it is given, and the format that follows from its extension.
+/// The file of an option, if given, and the format derived from its extension.
 #[derive(Debug)]
 pub struct FormatFile<F>(Option<(PathBuf, F)>);
 
 /// The file of a picture.
 pub type Picture = FormatFile<Format>;
 
-/// The file of a movie, with its number of frames; a page has no format of pictures.
+/// The file of a movie, with its number of frames; a page has no picture format.
 pub type MovieFile = FormatFile<(Option<MovieFormat>, usize)>;
 
 impl PlotArgs {
     /// Checks the file before the work that it shows.
     ///
     /// # Errors
-    /// Its extension is no format of pictures, or it cannot be written.
+    /// The extension is not a picture format, or the file cannot be written.
     pub fn file(&self) -> Result<Picture, InputError> {
         FormatFile::new("--plot", self.plot.as_deref(), Format::of, Format::ALLOWED)
     }
@@ -63,7 +63,7 @@ impl MovieArgs {
     /// Checks the file before the work that it shows.
     ///
     /// # Errors
-    /// Its extension is no format of movies, or it cannot be written.
+    /// The extension is not a movie format, or the file cannot be written.
     pub fn file(&self) -> Result<MovieFile, InputError> {
         let format = |path: &Path| {
             let page = path.extension().is_some_and(|name| name.eq_ignore_ascii_case("html"));
@@ -87,7 +87,7 @@ impl<F> FormatFile<F> {
         let field = option.trim_start_matches('-');
         let format =
             format(file).ok_or_else(|| InputError::not_allowed(option, field, format!("{file:?}"), allowed))?;
-        // A mistyped folder must not become a new one.
+        // A mistyped folder must not be created.
         let missing =
             file.parent().filter(|folder| !folder.as_os_str().is_empty() && folder.symlink_metadata().is_err());
         if let Some(folder) = missing {
@@ -105,7 +105,7 @@ impl<F> FormatFile<F> {
 }
 
 impl Picture {
-    /// Refuses a picture that would replace one of the files that `--out` writes into a folder.
+    /// Rejects a picture that would replace one of the files that `--out` writes into a folder.
     ///
     /// # Errors
     /// Names the picture.
@@ -116,7 +116,7 @@ impl Picture {
         InputError::require(apart, "--plot", "plot", format!("{path:?}"), "another file: --out writes this one")
     }
 
-    /// Draws and writes the picture, if one is asked for; an existing file is replaced, whole or not at all.
+    /// Draws and writes the picture, if requested; an existing file is replaced completely or not at all.
     ///
     /// # Errors
     /// It cannot be drawn or written.
@@ -127,9 +127,9 @@ impl Picture {
 }
 
 impl MovieFile {
-    /// Writes the movie of a division, if one is asked for; an existing file is replaced, whole or not at all. The line shows the
-    /// frames if `progress` says so. `movie` makes it from its format and its number of frames, and reports those that are done;
-    /// `page` makes a page from the number of frames.
+    /// Writes the movie of a division, if requested; an existing file is replaced completely or not at all. If `progress` is set, a
+    /// progress line counts the frames. `movie` creates the movie from the format and the number of frames, and reports finished
+    /// frames; `page` creates a page from the number of frames.
     ///
     /// # Errors
     /// It cannot be drawn or written.

@@ -1,4 +1,4 @@
-//! `furrow pitchfork`: the threshold of asymmetry of one cell.
+//! `furrow pitchfork`: the symmetry-breaking threshold of one cell.
 
 use super::cell::{CellArgs, described, positive};
 use super::context::Context;
@@ -47,7 +47,7 @@ pub fn run(args: &PitchforkArgs, mut context: Context) -> Result<(), CliError> {
     })
 }
 
-/// A note on a pitchfork beyond a fold of the branch.
+/// The note about a pitchfork beyond a fold of the branch.
 fn beyond(fold: f64) -> String {
     format!(
         "it lies beyond the fold at ξ_s = {fold:.6}, where the branch of the passive shape turns: a cell whose activity rises meets the fold first\n"

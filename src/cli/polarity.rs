@@ -34,7 +34,7 @@ pub struct PolarityArgs {
     /// Radius R0 of one cell, in L_h, or in µm, such as 17um; default the cells of the germline
     #[arg(help_heading = "Cell", long, value_name = "R", value_parser = length)]
     r0: Option<Length>,
-    /// Volume of every cell over the volume of its shell, ε; default 0.87, the preset's
+    /// Volume of every cell divided by the volume of its shell, ε; default 0.87, the preset's
     #[arg(help_heading = "Cell", long, value_name = "E", value_parser = number)]
     epsilon: Option<f64>,
     /// Activity ξ_s of every cell, as published; default 25, the preset's
@@ -46,14 +46,14 @@ pub struct PolarityArgs {
     /// Sets one constant of the chemistry; repeatable
     #[arg(help_heading = "Chemistry", long, value_name = "KEY=VALUE")]
     par: Vec<String>,
-    /// L_h in µm; default from the lineage file, else 3.2
+    /// L_h in µm; default from the lineage file, otherwise 3.2
     #[arg(help_heading = "Chemistry", long, value_name = "UM", value_parser = number)]
     length_um: Option<f64>,
-    /// How κ follows P: a step from the pole where P is high, or a band at its boundary, of the same width
+    /// Dependence of κ on P: a step at the boundary, with the stiffer side at the pole where P is high, or a band of the same width
     #[arg(help_heading = "Chemistry", long, value_name = "step|band", default_value = "step", hide_possible_values = true,
         value_parser = one_of(Follows::NAMED))]
     profile: Follows,
-    /// By how much κ is larger where P is high, or at its boundary, relative
+    /// Relative increase of κ where P is high, or at the boundary
     #[arg(help_heading = "Chemistry", long, value_name = "A", default_value_t = 0.1, value_parser = number)]
     amplitude: f64,
     /// Writes A and P of the polarised cells along the contour as CSV
@@ -133,7 +133,7 @@ impl Shown<'_> {
             };
             let division = cell.division.as_ref().and_then(|division| division.as_ref().ok());
             let outcome = division.map_or("undecided", |division| division.outcome().name());
-            // Without a cue the noise decides the side.
+            // Without a cue the noise determines the side.
             let chi = division
                 .and_then(|division| if cell.readings().is_some() { division.chi_signed() } else { division.chi() });
             let chi = or_dash(chi, 4);
@@ -154,7 +154,7 @@ impl Shown<'_> {
         out + &self.surface() + &self.limits() + &self.verdict()
     }
 
-    /// What ψ is, and the sign of χ.
+    /// The explanation of ψ and of the sign of χ.
     fn surface(&self) -> String {
         let sign = "χ of polarised and of measured cells is positive where the posterior daughter is the smaller\n";
         let psi = match self.chemistry.constants.surface_to_volume {
@@ -183,7 +183,7 @@ impl Shown<'_> {
             + &format!("smallest cell that divides without a cue: {mechanics}\n")
     }
 
-    /// One sentence on what ends first.
+    /// One sentence on which limit comes first.
     fn verdict(&self) -> String {
         let PolarityStudy { cells, smallest: Ok(chemistry), mechanics: Ok(mechanics), .. } = self.found else {
             return String::new();

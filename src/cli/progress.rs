@@ -8,17 +8,17 @@ use std::time::{Duration, Instant};
 
 use super::output::eprint;
 
-/// The line while the amount of work is not known, and once it is.
+/// Templates of the line for an unknown and for a known amount of work.
 const COUNTS: &str = "{spinner} {elapsed} {msg}";
 const SHARE: &str = "{spinner} {elapsed} [{bar:24}] {pos} of {len} {msg}, {eta} left";
 
-/// How often a plain line is printed where stderr is no terminal.
+/// Interval between plain lines if stderr is not a terminal.
 const EVERY: Duration = Duration::from_secs(30);
 
-/// A line that shows how far a run has come; only where `shown`. Where stderr is no terminal it is printed anew every 30 s.
+/// A progress line, displayed only if `shown`. If stderr is not a terminal, a new line is printed every 30 s.
 pub struct ProgressLine {
     bar: ProgressBar,
-    /// The start, and the time of the last plain line after it.
+    /// The start time, and the time since then of the last plain line.
     plain: Option<(Instant, Mutex<Duration>)>,
 }
 
@@ -43,7 +43,7 @@ impl ProgressLine {
         }
     }
 
-    /// Prints a plain line if it is time for one.
+    /// Prints a plain line if one is due.
     fn say(&self, text: impl FnOnce() -> String) {
         let Some((start, last)) = &self.plain else { return };
         let (now, mut last) = (start.elapsed(), last.lock().unwrap_or_else(PoisonError::into_inner));
@@ -73,7 +73,7 @@ impl ProgressLine {
         self.say(|| text);
     }
 
-    /// Shows the number of finished items among all, their kind, and the time left.
+    /// Shows the number of finished and of all items, their kind, and the remaining time.
     pub fn show_share(&self, done: usize, of: usize, what: impl FnOnce() -> String) {
         if self.bar.is_hidden() {
             let percent = 100.0 * done as f64 / of.max(1) as f64;
@@ -81,7 +81,7 @@ impl ProgressLine {
         }
         self.bar.set_message(what());
         if self.bar.length() == Some(of as u64) {
-            // Threads report in any order, and the time left follows from positions that rise.
+            // Threads report in any order, but the estimate of the remaining time requires increasing positions.
             return self.bar.set_position(self.bar.position().max(done as u64));
         }
         self.set_style(SHARE);

@@ -1,4 +1,4 @@
-//! `furrow reproduce`: the paper's statements beside computed values.
+//! `furrow reproduce`: the paper's statements compared with computed values.
 
 use super::cell::{AxisArgs, one_of};
 use super::context::{Context, Globals};
@@ -30,7 +30,7 @@ pub struct ReproduceArgs {
     /// Figures, tables and movies of the paper; default all
     #[arg(value_name = "FIGURE")]
     figures: Vec<String>,
-    /// Volumes of cells, for the measured rows of 5B, 5D and 6B: a table as of `furrow compare volumes`; default the measurements
+    /// Volumes of cells for the measured rows of 5B, 5D and 6B: a table as for `furrow compare volumes`; default the measurements
     /// of Jankele, Jelier & Gönczy 2021
     #[arg(help_heading = "Input", long, value_name = "FILE.csv")]
     data: Option<PathBuf>,

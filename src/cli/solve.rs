@@ -1,4 +1,4 @@
-//! `furrow solve`: the values of one parameter that give a wanted division.
+//! `furrow solve`: the values of one parameter that give a required division.
 
 use super::cell::{AxisArgs, CueArgs, length};
 use super::context::Context;
@@ -43,16 +43,16 @@ pub struct SolveArgs {
     /// Last value of the range
     #[arg(help_heading = "Range", long, value_name = "B", value_parser = length)]
     to: Option<Length>,
-    /// Values of the scan; more of them tell roots apart that are closer to each other
+    /// Number of trial values in the range; a larger number separates roots that are closer together
     #[arg(help_heading = "Range", long, value_name = "N", default_value_t = POINTS as u32, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     points: u32,
     /// Radius R0 of the cell, in L_h, or in µm, such as 17um
     #[arg(help_heading = "Cell", long, value_name = "R", value_parser = length)]
     r0: Option<Length>,
-    /// Volume of the cell over the volume of its shell, ε
+    /// Volume of the cell divided by the volume of its shell, ε
     #[arg(help_heading = "Cell", long, value_name = "E", value_parser = number)]
     epsilon: Option<f64>,
-    /// Activity ξ_s, as published; default 25, the preset's
+    /// Activity ξ_s as published; default 25, the preset's
     #[arg(help_heading = "Cell", long, value_name = "X", value_parser = number)]
     xi: Option<f64>,
     #[command(flatten)]
@@ -64,7 +64,7 @@ pub struct SolveArgs {
     seed: u64,
 }
 
-// Exactly one wanted quantity.
+// Exactly one required quantity.
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 #[command(next_help_heading = "Wanted")]
@@ -72,7 +72,7 @@ struct WantedArgs {
     /// Size asymmetry χ, above 0 and below 1
     #[arg(long, value_name = "CHI", value_parser = number)]
     chi: Option<f64>,
-    /// χ with its sign: positive if the daughter at u = 0, the posterior one, is the smaller
+    /// Signed χ: positive if the posterior daughter, at u = 0, is smaller
     #[arg(long, value_name = "CHI", value_parser = number)]
     chi_signed: Option<f64>,
     /// Position u of the furrow, from 0 (posterior pole) to 1
@@ -84,7 +84,7 @@ struct WantedArgs {
 }
 
 impl WantedArgs {
-    /// The wanted quantity and its value.
+    /// The required quantity and its value.
     fn read(&self) -> Result<(Measure, f64), InputError> {
         let WantedArgs { chi, chi_signed, u, t } = *self;
         let given = [
@@ -94,7 +94,7 @@ impl WantedArgs {
             (Measure::TEnd, "--t", t),
         ];
         let given = given.into_iter().find_map(|(measure, option, value)| Some((measure, option, value?)));
-        // clap sees to it that one is given.
+        // clap ensures that one is given.
         let (measure, option, value) = given.unwrap_or((Measure::Chi, "--chi", f64::NAN));
         let error = |allowed| InputError::not_allowed(option, measure.name(), value, allowed);
         measure.validate(value).map(|()| (measure, value)).map_err(error)
@@ -132,7 +132,7 @@ impl SolveArgs {
         let to = self.to.map_or(Ok(default[1]), |end| given.end("--to", end, context))?;
         InputError::require(from != to, "--to", "to", to, "different from --from")?;
         given.warn_of_size([self.from, self.to], context);
-        // A default range may hold values that are not allowed: gaps.
+        // A default range may contain values that are not allowed; these are reported as gaps.
         let cell = match (self.from, self.to) {
             (None, None) => cell,
             _ => given.range(cell, [from, to], context)?.cell,

@@ -31,17 +31,17 @@ pub struct SteadyArgs {
     cell: ActiveCellArgs,
     #[command(flatten)]
     pub axis: AxisArgs,
-    /// Also computes growth rates of disturbances cos mφ, m up to M, which are not axisymmetric
+    /// Also computes growth rates of non-axisymmetric disturbances cos mφ, m up to M
     #[arg(help_heading = "Output", long, value_name = "M", value_parser = clap::value_parser!(u8).range(0..=MOST_AZIMUTHAL))]
     azimuthal: Option<u8>,
     #[command(flatten)]
     plot: PlotArgs,
 }
 
-/// Largest azimuthal number offered: modes that turn faster around the axis decay ever faster.
+/// Largest allowed azimuthal mode number: modes of larger m decay ever faster.
 pub const MOST_AZIMUTHAL: i64 = 16;
 
-/// One line for each azimuthal number.
+/// One line for each azimuthal mode number.
 fn lines(found: &[AzimuthalStability]) -> String {
     let mut out = "beyond axial symmetry, leading growth rates (1/τ):\n".to_owned();
     for AzimuthalStability { m, spectrum, mode } in found {
@@ -62,7 +62,7 @@ fn lines(found: &[AzimuthalStability]) -> String {
     out
 }
 
-/// The state at rest without axial symmetry, with its leading growth rates.
+/// The stationary state without axial symmetry, with its leading growth rates.
 fn without_axis(cell: Cell, context: &Context) -> Result<(), CliError> {
     let input = DivisionInput { numerics: context.settings.numerics, ..DivisionInput::new(cell) };
     let found = steady(&input)?;
@@ -90,10 +90,10 @@ fn without_axis(cell: Cell, context: &Context) -> Result<(), CliError> {
     })
 }
 
-/// Largest error of a growth rate without a warning, relative to the rate; rates below 0.1/τ count as 0.1/τ.
+/// Largest relative error of a growth rate that causes no warning; rates below 0.1/τ count as 0.1/τ.
 const WELL_KNOWN: f64 = 0.01;
 
-/// The warning about a growth rate that the mesh does not determine; `error` is its change on halved intervals.
+/// The warning about a growth rate that the mesh does not resolve; `error` is its change on halved intervals.
 fn mesh_warning(rate: f64, error: f64) -> Option<String> {
     let found = match error {
         error if error <= WELL_KNOWN * rate.abs().max(0.1) => return None,

@@ -30,10 +30,10 @@ pub struct SweepArgs {
     /// Sweep file: kind, axes and settings
     #[arg(value_name = "SWEEP.ron")]
     sweep: PathBuf,
-    /// Output folder; files of another sweep in it are overwritten, unless that sweep was interrupted and can be resumed
+    /// Output folder; files of another sweep in it are overwritten unless that sweep was interrupted and can be resumed
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: PathBuf,
-    /// Solves only part K of N, chosen by the points' hashes; see furrow merge
+    /// Solves only part K of N, selected by the hashes of the points; see furrow merge
     #[arg(help_heading = "Run", long, value_name = "K/N")]
     shard: Option<Shard>,
     #[command(flatten)]
@@ -95,7 +95,7 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     picture.write(|| plot::sweep::draw(&sweep, &table.rows))?;
     let (points, elapsed_s, out) = (table.rows.len(), start.elapsed().as_secs_f64(), args.out.display().to_string());
     let Summary { solved, memo_hits, .. } = &found.summary;
-    // Points are counted in this part of the sweep; resumed points have rows that an interrupted run had finished.
+    // Only points of this part of the sweep are counted; resumed points are those finished by an interrupted run.
     let document = json!({
         "points": points, "solved": solved, "reused": memo_hits, "resumed": found.resumed,
         "undecided": undecided, "shard": args.shard, "elapsed_s": elapsed_s, "out": out,

@@ -1,4 +1,4 @@
-//! `furrow test`: hypotheses beside each other.
+//! `furrow test`: comparison of hypotheses.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -47,7 +47,7 @@ Examples:
   furrow test chi.csv --cue germline --cue tension:gradient,amplitude=-0.3
   furrow test chi.csv --cue germline --free cue.amplitude,epsilon@somatic --json")]
 pub struct TestArgs {
-    /// Measured χ: tables (CSV), embryos followed by other programs, or folders of these; or targets (RON)
+    /// Measured χ: tables (CSV), embryos tracked by other programs, or folders of these; or targets (RON)
     #[arg(value_name = "TABLE", required = true)]
     tables: Vec<PathBuf>,
     /// Hypotheses, one for each --cue: none, a name in the lineage file, or terms FIELD:PROFILE,key=value,.. joined by +; "NAME=CUE"
@@ -61,41 +61,40 @@ pub struct TestArgs {
     /// Numbers to fit: PARAMETER, PARAMETER@CLASS for a class of cells (germline, somatic or a founder), or PARAMETER@embryo, which varies
     /// between embryos in the posterior. The default is every number of the cue; "none" fits nothing
     ///
-    /// A number of a cue is fitted only in hypotheses with this cue. With epsilon,epsilon@P2 the cells of P2 have their own ε; all other
-    /// cells share one. r0 is the radius of the first cell; all given radii scale with it, which frees L_h. growth is the volume at division
-    /// over the volume at birth, from 0.5 to 2. The range of a number
-    /// of a cue is the one of furrow fit cue, the range of any other number the one of furrow solve; PARAMETER@CLASS=FROM..TO gives
-    /// another.
+    /// A number of a cue is fitted only in hypotheses whose cue has it. With epsilon,epsilon@P2 the cells of P2 have their own ε; all other
+    /// cells share one. r0 is the radius of the first cell; all given radii scale with it, which is equivalent to fitting L_h. growth is
+    /// the volume at division divided by the volume at birth, from 0.5 to 2. The default ranges are those of furrow fit cue for numbers
+    /// of a cue and those of furrow solve for other numbers; PARAMETER@CLASS=FROM..TO sets another range.
     #[arg(help_heading = "Hypotheses", long, value_name = "NAME@CLASS,..", value_delimiter = ',')]
     free: Option<Vec<String>>,
     /// Founders with their cues, which the hypotheses replace; default the built-in C. elegans founders
     #[arg(help_heading = "Hypotheses", long, value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
-    /// Errors of χ: given by the table, one common error that is fitted, or from replicates, growing as cells shrink; default given if
-    /// the table has them, else common
+    /// Errors of χ: given by the table; one common error that is fitted; or from replicates, increasing as cells become smaller. Default
+    /// given if the table has them, otherwise common
     #[arg(help_heading = "Measurements", long, value_name = "KIND", value_parser = one_of(NoiseKind::NAMED))]
     noise: Option<NoiseKind>,
     /// Models measured |χ| as the absolute value of a χ with a normal error, so that an equal division may look slightly unequal
     #[arg(help_heading = "Measurements", long)]
     folded: bool,
-    /// Cells that are used, such as P0,P1,P2,P3; default all that the lineage has
+    /// Cells to use, such as P0,P1,P2,P3; default all that are in the lineage
     #[arg(help_heading = "Measurements", long, value_name = "NAME,NAME,..", value_delimiter = ',')]
     cells: Option<Vec<String>>,
-    /// Groups of the table that are used; default all
+    /// Groups of the table to use; default all
     #[arg(help_heading = "Measurements", long, value_name = "NAME,NAME,..", value_delimiter = ',')]
     population: Option<Vec<String>>,
-    /// Columns that name the mother's class, a founder of the lineage, by their joined texts: population,generation for Mac6, Mac7, ..
+    /// Columns whose joined texts are the mother's class, a founder of the lineage: population,generation for Mac6, Mac7, ..
     /// For tables of divisions and of χ
     #[arg(help_heading = "Measurements", long, value_name = "COLUMN,..", value_delimiter = ',')]
     class: Vec<String>,
-    /// Edge of a voxel in µm, which converts voxels to µm³; of one embryo with its name
+    /// Edge length of a voxel in µm, which converts voxels to µm³; EMBRYO=UM sets that of one embryo
     #[arg(help_heading = "Measurements", long, value_name = "UM|EMBRYO=UM", value_parser = of_embryo)]
     voxel: Vec<OfEmbryo>,
-    /// The observed mean rounds of the lineage's founders as further measurements, with this standard deviation in rounds
+    /// Includes the observed mean rounds of the lineage's founders, with this standard deviation in rounds
     #[arg(help_heading = "Measurements", long, value_name = "SD", num_args = 0..=1, require_equals = true,
         default_missing_value = "1")]
     rounds: Option<f64>,
-    /// Lifetimes of cells as further measurements, compared with the lineage's clock: tables as for furrow compare lifetimes, or
+    /// Includes lifetimes of cells, compared with the lineage's clock: tables as for furrow compare lifetimes, or
     /// published for the means of 28 embryos of C. elegans
     #[arg(help_heading = "Measurements", long, value_name = "TABLE")]
     lifetimes: Vec<PathBuf>,
@@ -104,26 +103,26 @@ pub struct TestArgs {
     lifetime_sd: f64,
     #[command(flatten)]
     matching: MatchArgs,
-    /// Unit of a table without one: um3, voxels or relative
+    /// Unit of volumes in a table that gives no unit: um3, voxels or relative
     #[arg(help_heading = "Measurements", long, value_name = "UNIT", value_parser = str::parse::<Unit>)]
     unit: Option<Unit>,
-    /// Particles of the swarm that searches for each best fit; default 12 for each free number
+    /// Particles of the swarm that searches for each best fit; default 12 per free number
     #[arg(help_heading = "Search", long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=10_000))]
     particles: Option<u32>,
-    /// Moves of the swarm; default 10 for each free number
+    /// Moves of the swarm; default 10 per free number
     #[arg(help_heading = "Search", long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     moves: Option<u32>,
     /// Seed of the search and of the samples
     #[arg(help_heading = "Search", long, value_name = "S", default_value_t = 0, value_parser = seed)]
     seed: u64,
-    /// Also draws a sample of each posterior with this many points: intervals, evidence, numbers that are open along a line, and cells
-    /// that surprise the hypothesis
+    /// Also draws a sample of each posterior with this many points, and prints intervals, evidence, combinations of numbers that remain
+    /// undetermined, and cells that contradict the hypothesis
     #[arg(help_heading = "Posterior", long, value_name = "N", value_parser = clap::value_parser!(u32).range(20..=100_000))]
     samples: Option<u32>,
     /// Writes the samples as a table (CSV): a column for each number, a row for each point
     #[arg(help_heading = "Posterior", long, value_name = "FILE.csv", requires = "samples")]
     posterior: Option<PathBuf>,
-    /// Draws part K of N of a sample, each of --samples points; furrow merge puts the parts together
+    /// Draws part K of N of a sample, each with --samples points; furrow merge combines the parts
     #[arg(help_heading = "Posterior", long, value_name = "K/N", requires = "posterior")]
     shard: Option<Shard>,
     #[command(flatten)]
@@ -194,7 +193,7 @@ fn hypotheses(
     Ok(Hypothesis::all(&asked, free, lineage, &settings.cell, [source, "--free"])?)
 }
 
-/// What was observed beside χ.
+/// Observations other than χ.
 fn others(args: &TestArgs, lineage: &Lineage) -> Result<Vec<Others>, CliError> {
     let rounds = args.rounds.map(|sd| Others::rounds(lineage, sd, "--rounds"));
     let lifetimes = |files: &[PathBuf]| {
@@ -212,7 +211,7 @@ fn others(args: &TestArgs, lineage: &Lineage) -> Result<Vec<Others>, CliError> {
     rounds.map(|found| found.map_err(CliError::from)).into_iter().chain(of_lifetimes).collect()
 }
 
-/// Asks for the published lifetimes.
+/// The value that selects the published lifetimes.
 const PUBLISHED: &str = "published";
 
 /// The measured χ of the table, or of a file of targets.

@@ -58,7 +58,7 @@ pub struct TreeArgs {
     pub constants: Option<PathBuf>,
     /// Grows the tree with N seeds, S, S+1, ..., and prints the range of the counts; writes the files of seed S, and spread.csv
     ///
-    /// If a division's χ agrees within 0.001 between seeds S and S+1, all trees share that division; no other seed is computed.
+    /// If χ of a division agrees within 0.001 between seeds S and S+1, all trees share that division, and no other seed is computed.
     #[arg(help_heading = "Numerics", long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub replicates: Option<u32>,
     /// Computes the division of every cell, including cells below the critical radius of their cue
@@ -77,13 +77,13 @@ const TREE_FILES: [&str; 5] = ["tree.nwk", "tree.json", "tree.svg", "report.html
 /// With `--replicates`: the ranges over the seeds.
 const SPREAD_FILE: &str = "spread.csv";
 
-/// Undecided cells that get a warning each.
+/// Largest number of undecided cells with a separate warning.
 const MOST_WARNINGS: usize = 5;
 
 /// The files of one scenario, in a folder of its name.
 const SCENARIO_FILES: [&str; 3] = ["tree.nwk", "tree.json", "tree.svg"];
 
-/// The files beside the scenarios' folders.
+/// The files next to the scenarios' folders.
 const SCENARIOS_FILES: [&str; 3] = ["scenarios.csv", "report.html", "run.json"];
 
 /// The counts of a tree in `--json`.
@@ -98,8 +98,7 @@ fn tree_counts(tree: &Tree) -> Value {
     merged(counts, minutes.unwrap_or_default())
 }
 
-/// `run.json`: what this run did; it differs between runs. With the folders of scenarios; without for a tree
-/// by itself.
+/// `run.json`: information on this run, which differs between runs. It lists the folders if there are several scenarios.
 fn run_record(args: &TreeArgs, context: &Context, grown: &Grown, start: Instant, names: Option<Vec<&str>>) -> Value {
     let Summary { solved, memo_hits, store_hits, corrupt, max_size_shift, shift_effect, .. } = &grown.summary;
     filled(json!({
@@ -115,7 +114,7 @@ fn run_record(args: &TreeArgs, context: &Context, grown: &Grown, start: Instant,
         "memo_hits": memo_hits,
         "store_hits": store_hits,
         "corrupt_entries": corrupt,
-        // Relative step of R0, the largest relative shift of a cell's, and the estimated largest effect of it on χ.
+        // Relative step of R0, the largest relative shift of R0 of a cell, and its estimated largest effect on χ.
         "quantisation": {
             "r0_step": context.quantisation.relative_step(), "max_r0_shift": max_size_shift, "chi_effect": shift_effect,
         },
@@ -181,7 +180,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     })
 }
 
-/// The axis of the drawings; minutes need a clock.
+/// The time axis of the drawings; minutes require a clock.
 fn time_axis(args: &TreeArgs, scenarios: &[Scenario]) -> Result<TimeAxis, InputError> {
     let axis = args.time_axis.unwrap_or_default();
     let without = scenarios.iter().find(|scenario| scenario.lineage.clock.is_none());
@@ -192,7 +191,7 @@ fn time_axis(args: &TreeArgs, scenarios: &[Scenario]) -> Result<TimeAxis, InputE
     Ok(axis)
 }
 
-/// Stages the files of the trees, of one by itself or of several scenarios in their folders, with the page and the tables.
+/// Stages the files of a single tree, or of several scenarios in their folders, with the page and the tables.
 fn stage(
     files: &mut FileSet,
     scenarios: &[Scenario],
@@ -221,8 +220,8 @@ fn stage(
     Ok(())
 }
 
-/// In `--json` the counts of a single tree, or of several the scenarios; over seeds their ranges. `cue` is the text that the user
-/// gave, null for the lineage's own cues.
+/// The `--json` output: the counts of a single tree or of all scenarios; with several seeds their ranges. `cue` is the text given by
+/// the user, null for the lineage's own cues.
 fn counts(scenarios: &[Scenario], trees: &[Tree], spread: &[LineageRanges], several: bool) -> Value {
     let of = |(k, (Scenario { name, folder, label, cue, .. }, tree)): (usize, (&Scenario, &Tree))| {
         let named = json!({ "name": name, "folder": folder, "lineage": label, "cue": cue });
@@ -240,7 +239,7 @@ fn names_of_files(scenarios: &[Scenario], beside: &[&str], several: bool) -> Vec
     folders.chain(beside.iter().map(|file| (*file).to_owned())).collect()
 }
 
-/// The one lineage, with the one cue if it is given.
+/// The single lineage, with the single cue if it is given.
 fn single(args: &TreeArgs, context: &Context) -> Result<Scenario, CliError> {
     let file = args.lineage.first().map(PathBuf::as_path);
     let (mut lineage, settings) = prepared(&args.cell, args.seed, context, file)?;
@@ -251,7 +250,7 @@ fn single(args: &TreeArgs, context: &Context) -> Result<Scenario, CliError> {
     Ok(scenario_of(lineage, settings))
 }
 
-/// Every lineage file with every cue.
+/// All combinations of lineage file and cue.
 fn combined(args: &TreeArgs, context: &Context) -> Result<Vec<Scenario>, CliError> {
     let files = args.lineage.iter().map(|file| Some(file.as_path()));
     let built_in = args.lineage.is_empty().then_some(None);
@@ -286,7 +285,7 @@ pub fn prepared(
         let units = lineage.units().asked_in(r0);
         lineage.units = Some(units).filter(|units| *units != Default::default());
     }
-    // The radius of an option overrides the one in the lineage file.
+    // The radius given by an option overrides that in the lineage file.
     if cell.r0.is_some() || context.sets("r0")? {
         lineage.forget_first_radius();
     }
@@ -305,7 +304,7 @@ pub fn prepared(
     Ok((lineage, settings))
 }
 
-/// Tells the user which founders get a cue in a lineage without cues.
+/// Prints which founders get a cue in a lineage without cues.
 pub fn tell_who_gets(text: &str, lineage: &Lineage, cell: &Cell, label: &str) {
     let is_none = text == "none" || text.ends_with("=none");
     if is_none || !lineage.is_without_cues() {
@@ -325,15 +324,15 @@ pub fn tell_who_gets(text: &str, lineage: &Lineage, cell: &Cell, label: &str) {
     );
 }
 
-/// An invalid `--cue`.
+/// The error for an invalid `--cue`.
 pub fn bad_cue(error: CueError) -> InputError {
     InputError::not_allowed("--cue", error.field, error.value, error.allowed)
 }
 
-/// Grows all scenarios in one run, with several seeds if there are to be replicates, and logs warnings; the trees of the first seed
-/// and the ranges over all.
+/// Grows all scenarios in one run, with several seeds if replicates are requested, and logs warnings. Returns the trees of the first
+/// seed and the ranges over all seeds.
 ///
-/// With `dynamics` the division of every cell is computed, those below the critical radius of their cue included.
+/// With `dynamics` the division of every cell is computed, including cells below the critical radius of their cue.
 pub fn grown(
     scenarios: &[Scenario],
     replicates: Option<u32>,
@@ -364,7 +363,7 @@ pub fn grown(
     Ok((grown, spread))
 }
 
-/// Warns of rules that set a number which no cue of the lineage has, unless an option took all cues away.
+/// Warns of rules for a number that no cue of the lineage has, unless an option removed all cues.
 fn warn_of_rules(scenario: &Scenario, is_replaced: bool) {
     if is_replaced && scenario.lineage.is_without_cues() {
         return;
@@ -373,7 +372,7 @@ fn warn_of_rules(scenario: &Scenario, is_replaced: bool) {
     messages::warn_of(scenario.lineage.rules_without_cue().into_iter().map(|doubt| format!("{place}{doubt}")));
 }
 
-/// Warns of cells that the lineage says die and that the tree does not have.
+/// Warns of cells that die according to the lineage file but do not exist in the tree.
 fn warn_of_unborn(tree: &Tree) {
     let born = |pattern: &&String| tree.cells().any(|id| matches(pattern, &tree.cell(id).name));
     for pattern in tree.lineage.dies.iter().filter(|pattern| !born(pattern)) {
@@ -401,7 +400,7 @@ fn warn_of_undecided(tree: &Tree, scenario: &str) {
     }
 }
 
-/// Warns if the origin of the clock does not take place in the tree, unless the tree has only one cell.
+/// Warns if the event that is the origin of the clock does not occur in the tree, unless the tree has only one cell.
 fn warn_of_origin(tree: &Tree, scenario: &str) {
     let place = if scenario.is_empty() { String::new() } else { format!("{scenario}: ") };
     let wanted = tree.lineage.clock.as_ref().and_then(|clock| clock.origin.as_ref());
@@ -415,7 +414,7 @@ fn warn_of_origin(tree: &Tree, scenario: &str) {
     }
 }
 
-/// Logs cues without a critical radius. One warning names the cues with an abandoned search.
+/// Logs cues without a critical radius. One warning lists the cues whose search was abandoned.
 fn warn_of_searches(unknown: &[(Cue, ShapeError)]) {
     for (cue, error) in unknown {
         messages::write(

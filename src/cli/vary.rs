@@ -1,4 +1,4 @@
-//! Options that let one parameter of a cell run over a range.
+//! Options that vary one parameter of a cell over a range.
 
 use super::cell::{CueArgs, length, warn_of_regulator, warn_of_size};
 use super::context::Context;
@@ -9,15 +9,15 @@ use furrow_cell::{Cell, Cue, Parameter};
 use furrow_input::{InputError, did_you_mean};
 use furrow_lineage::{Length, parse_cue};
 
-// A parameter, its range, and the cell it is varied of.
+// A parameter, its range, and the cell.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct VaryArgs {
-    /// Parameter that varies: r0, epsilon, or any other parameter of a cell in --set; for a cue cue.u0, cue.omega,
-    /// cue.amplitude or regulator.turnover and the like
+    /// Parameter to vary: r0, epsilon, or any other parameter of a cell in --set; for a cue cue.u0, cue.omega,
+    /// cue.amplitude, regulator.turnover and similar names
     #[arg(long, value_name = "NAME")]
     vary: String,
-    /// First value of the parameter; of r0 also in µm, such as 5um
+    /// First value of the parameter; for r0 also in µm, such as 5um
     #[arg(long, value_name = "A", value_parser = length)]
     from: Length,
     /// Last value of the parameter
@@ -26,7 +26,7 @@ pub struct VaryArgs {
     /// Radius R0, in L_h, or in µm, such as 17um, if another parameter varies
     #[arg(long, value_name = "R", value_parser = length)]
     r0: Option<Length>,
-    /// Volume fraction ε, if another parameter varies
+    /// Volume of the cell divided by the volume of its shell, ε, if another parameter varies
     #[arg(long, value_name = "E", value_parser = number)]
     epsilon: Option<f64>,
     #[command(flatten)]
@@ -129,7 +129,7 @@ impl Given<'_> {
     /// An end of the parameter's range, in L_h if the parameter is a radius in µm.
     ///
     /// # Errors
-    /// A length in µm, of another parameter.
+    /// The value is a length in µm, but the parameter is not a radius.
     pub fn end(&self, option: &str, end: Length, context: &mut Context) -> Result<f64, InputError> {
         let fine = self.parameter == Parameter::R0 || matches!(end, Length::Natural(_));
         let allowed = "a number: only r0 may be in um";
@@ -138,7 +138,7 @@ impl Given<'_> {
         Ok(end.in_units(&context.units))
     }
 
-    /// Warns of ends of the range that are far from the sizes that the constants were made for.
+    /// Warns of ends of the range far outside the sizes for which the constants are intended.
     pub fn warn_of_size(&self, ends: [Option<Length>; 2], context: &Context) {
         let ends = ends.into_iter().flatten().filter(|_| self.parameter == Parameter::R0);
         warn_of_size(&context.units, ends);
@@ -154,13 +154,13 @@ impl Given<'_> {
     }
 }
 
-/// A parameter by its name, as an option gives it.
+/// The parameter with the name given by an option.
 ///
 /// # Errors
 /// Lists the names.
 pub fn parameter(option: &str, name: &str) -> Result<Parameter, InputError> {
     name.parse().map_err(|_| {
-        // Curves run over ξ_s already, and have axial symmetry.
+        // Curves already run over ξ_s, and they are axisymmetric.
         let unfit = |p: &Parameter| matches!(p, Parameter::XiS | Parameter::Flattening);
         let others = Parameter::ALL.into_iter().filter(|p| option != "--vary" || !unfit(p));
         let names: Vec<&str> = others.map(Parameter::name).collect();

@@ -1,4 +1,4 @@
-//! χ over the mother's volume as text: bins, trend, noise.
+//! Text for χ over the mother's volume: bins, trend, noise.
 
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ use furrow_measured::volumes::Unit;
 
 use super::{ended, plus_minus, significance};
 
-/// Bins of the volume, each with its test and the model's cell of the bin's mean size, if there are any.
+/// Bins of the volume, with their tests and the model's cells of the bins' mean sizes; empty without bins.
 pub fn bins_text(found: &VolumesComparison) -> String {
     let VolumesComparison { unit, bins, tests, model_by_bin, model_by_bin_with_cues, .. } = found;
     if bins.is_empty() {
@@ -19,7 +19,7 @@ pub fn bins_text(found: &VolumesComparison) -> String {
     }
     let mut out = format!("χ by the mother's volume ({}), of all groups:\n", unit.map_or("", Unit::symbol));
     for (k, bin) in bins.iter().enumerate() {
-        // One division against one other cannot be significant.
+        // A test of one division against another cannot be significant.
         let tested = k.checked_sub(1).filter(|above| bins[*above].n.max(bin.n) > 1);
         let test = tested.and_then(|k| tests.get(k)).map_or(String::new(), |test| {
             format!("  larger than above: U = {}, p = {:.3e} {}", test.test.u, test.test.p, test.stars)
@@ -38,7 +38,7 @@ pub fn bins_text(found: &VolumesComparison) -> String {
     out + "\n"
 }
 
-/// The model's cells of one cue.
+/// The model's cells with one cue.
 fn model_text(cue: &str, bins: &[BinModel]) -> String {
     let with = if cue.is_empty() { "without a cue".to_owned() } else { format!("with the cue {cue}") };
     let mut out = format!("Model, cells {with} as large as the mean mother of each bin:\n");
@@ -70,10 +70,10 @@ pub fn trend_text(trend: &VolumeTrend) -> String {
     out + "\n"
 }
 
-/// Most embryos listed with their own trend.
+/// Largest number of embryos listed with their trend.
 const MOST_EMBRYOS: usize = 20;
 
-/// What noise alone makes of equal divisions.
+/// The trend that measurement noise produces if all divisions are equal.
 pub fn noise_text(null: &NoiseNull) -> String {
     let mut out = format!(
         "Noise, estimated from the mother's own volume against that of her daughters together ({} divisions, {} draws of equal ones):\n",

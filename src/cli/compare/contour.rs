@@ -1,4 +1,4 @@
-//! `furrow compare contour`: outlines of cells beside a simulated division.
+//! `furrow compare contour`: outlines of cells compared with a simulated division.
 
 use std::io::Read;
 
@@ -22,8 +22,8 @@ use std::path::{Path, PathBuf};
 /// Compares measured outlines of a dividing cell with a simulated division
 ///
 /// Contours are tables of points (CSV with columns x and y, and contour if there are several) or masks (PNG with the cell in one colour,
-/// or with --label a label image), all of sections through the axis of one cell. Each is aligned by centroid and long axis with the
-/// frame of equal furrow depth. The similarity index is |A∩B|/|A|, where A is measured.
+/// or with --label a label image), all for sections through the axis of one cell. Each contour is aligned by centroid and long axis with
+/// the frame of equal furrow depth. The similarity index is |A∩B|/|A|, where A is the measured area.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -36,7 +36,7 @@ pub struct ContourArgs {
     /// Folder of frames, written by furrow divide --frames
     #[arg(help_heading = "Model", long, value_name = "DIR")]
     frames: PathBuf,
-    /// Length of L_h in the unit of the contours (pixels for masks); default such that the areas of all contours together agree
+    /// Length of L_h in the unit of the contours (pixels for masks); by default the total areas of the contours agree
     #[arg(help_heading = "Model", long, value_name = "LENGTH", value_parser = number)]
     length_scale: Option<f64>,
     /// The cell's label, for masks that are label images
@@ -69,7 +69,7 @@ pub fn run(args: &ContourArgs, context: &Context) -> Result<(), CliError> {
     print(&if context.json { json } else { text(&series, &found.left_out) })
 }
 
-/// The contours of a simulated division, both sides of the axis.
+/// The contours of a simulated division, on both sides of the axis.
 fn model_contours(folder: &Path) -> Result<Vec<ModelContour>, CliError> {
     let mut out = Vec::new();
     for frame in read_frames(folder)? {
@@ -89,7 +89,7 @@ fn read(args: &ContourArgs) -> Result<Contours, InputError> {
         let mut opened = open_file(path)?;
         let file = path.display().to_string();
         let unreadable = |e: std::io::Error| InputError::Unreadable { file: file.clone(), reason: e.to_string() };
-        // The signature decides, since extensions of pictures may be wrong.
+        // The signature determines the type, since extensions of pictures may be wrong.
         let mut first = Vec::new();
         (&mut opened).take(SIGNATURE.len() as u64).read_to_end(&mut first).map_err(unreadable)?;
         let is_mask = first == SIGNATURE;
@@ -106,7 +106,7 @@ fn read(args: &ContourArgs) -> Result<Contours, InputError> {
     Ok(found)
 }
 
-/// How every PNG begins.
+/// The signature of PNG files.
 const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
 fn nothing_to_compare(args: &ContourArgs, found: &Contours, no_frames: bool) -> InputError {
@@ -119,7 +119,7 @@ fn nothing_to_compare(args: &ContourArgs, found: &Contours, no_frames: bool) -> 
     InputError::OtherFile { file: names, wanted: "any contour that could be used".to_owned(), reason: place(left) }
 }
 
-/// The file, line and contour that were left out, and the reason.
+/// The file, line and name of an omitted contour, and the reason.
 fn place(left: &LeftOut) -> String {
     let LeftOut { file, contour, line, why } = left;
     let line = line.map_or(String::new(), |line| format!(":{line}"));
@@ -159,7 +159,7 @@ fn text(series: &Series, left_out: &[LeftOut]) -> String {
     out
 }
 
-/// How a contour is called: by its file, and its name within it.
+/// The label of a contour: its file, and its name within the file.
 fn name(beside: &ContourMatch) -> String {
     let file =
         Path::new(&beside.file).file_name().map_or(beside.file.clone(), |file| file.to_string_lossy().into_owned());

@@ -1,4 +1,4 @@
-//! `furrow compare counts`: rounds beside the observed ones.
+//! `furrow compare counts`: rounds compared with the observed ones.
 
 use super::super::messages;
 use super::lifetimes::Model;
@@ -19,20 +19,20 @@ use std::path::{Path, PathBuf};
 
 /// Compares rounds of division with the observed ones, by every definition of "rounds" and at several stages
 ///
-/// Observed are the counts that the tree's lineage file gives; of C. elegans the rounds at hatching and in embryos of 349 and 549 cells
-/// (Sulston et al. 1983). Says by which reading rounds are within one of the observed, where cells ended and why, and of C. elegans
-/// whether the paper's sentence on rounds holds. With --measured, the tree is compared with an embryo that another program followed,
-/// up to its last frame.
+/// The observed counts are those in the tree's lineage file; for C. elegans they are the rounds at hatching and in embryos of 349 and 549
+/// cells (Sulston et al. 1983). Prints which definitions give rounds within one of the observed, where and why branches ended, and for
+/// C. elegans whether the paper's statement on rounds holds. With --measured the tree is compared with an embryo tracked by another
+/// program, up to its last frame.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   furrow compare counts
   furrow compare counts --preset sulston1983 --json")]
 pub struct CountsArgs {
-    /// A tree that was grown before, or a lineage file to grow; default the built-in C. elegans founders
+    /// A tree.json of an earlier run, or a lineage file to grow; default the built-in C. elegans founders
     #[arg(value_name = "TREE.json|LINEAGE.ron")]
     tree: Option<PathBuf>,
-    /// An embryo followed by another program: nuclei (zip) or CD table of AceTree, spots of TrackMate, MaMuT (XML, CSV) or Mastodon
+    /// An embryo tracked by another program: nuclei (zip) or CD table of AceTree, spots of TrackMate, MaMuT (XML, CSV) or Mastodon
     /// (CSV), tracks of napari, ultrack (CSV) or the Cell Tracking Challenge (txt), GEFF
     #[arg(help_heading = "Tables", long, value_name = "FILE")]
     measured: Option<PathBuf>,
@@ -118,7 +118,7 @@ fn counts_text(found: &Counts) -> String {
     out
 }
 
-/// The model's count and the observed one, as far as known.
+/// The model's count and the observed one, if known.
 fn count_text(reading: &str, count: Option<&Count>) -> String {
     let Some(Count { model, observed, within_one }) = count else { return String::new() };
     let digits = if reading == "mean" { 2 } else { 0 };

@@ -1,4 +1,4 @@
-//! `furrow compare dose`: asymmetry over the dose of a protein beside the model's over the strength of its cue.
+//! `furrow compare dose`: asymmetry over the dose of a protein compared with the model's over the strength of its cue.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -22,8 +22,8 @@ use crate::cli::picture::PlotArgs;
 /// Compares asymmetry over the dose of a protein with the model's over the strength of its cue
 ///
 /// A table has the columns dose (or a name that ends in _dose or _dosage; 1 is the wild type) and larger_share, the larger
-/// daughter's share of the size of both, and optionally condition. Without a table the model is compared with published means
-/// over the dose of PAR-6. The model's cell has its full cue at dose 1 and no cue at 0. Sizes are read as areas and as volumes.
+/// daughter's share of the total size, and optionally condition. Without a table the model is compared with published means
+/// over the dose of PAR-6. The model's cell has its full cue at dose 1 and no cue at 0. Sizes are interpreted as areas and as volumes.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -33,7 +33,7 @@ pub struct DoseArgs {
     /// Table of doses, CSV
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
-    /// Edges of the bins of the dose, ascending; default 0.2 apart
+    /// Edges of the bins of the dose, in ascending order; default bins are 0.2 wide
     #[arg(help_heading = "Statistics", long, value_name = "D,D,..", value_delimiter = ',', value_parser = number, requires = "file")]
     bins: Option<Vec<f64>>,
     /// Radius R0 of the model's cell, in L_h, or in µm, such as 17um; default the first cell's, 5.4 in gao2026
@@ -81,7 +81,7 @@ fn read(args: &DoseArgs) -> Result<MeasuredDoses, CliError> {
     Ok(MeasuredDoses::of(doses, args.bins.as_deref()))
 }
 
-/// The radius of the model's cell, and its divisions.
+/// The radius of the model's cell and its divisions.
 fn model(args: &DoseArgs, measured: &MeasuredDoses, context: &Context) -> Result<(f64, ModelDoses), CliError> {
     let lineage = load_lineage(args.lineage.as_deref())?;
     let cue = parse_cue(&args.cue, &lineage)?;

@@ -11,16 +11,16 @@ use furrow_formats::files::FileSet;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// Their names.
+/// The names of the files of `compare volumes`.
 pub const NAMES: [&str; 4] = ["chi.csv", "divisions.csv", "bins.csv", "compare.json"];
 
-/// The columns of `chi.csv`, a row per mother in a group.
+/// The columns of `chi.csv`, with one row per mother and group.
 const CHI: &str = "group,mother,n,chi_mean,chi_sd,chi_signed_mean,chi_signed_sd,model_chi,model_chi_given_first";
 
 /// The columns of `divisions.csv`.
 const DIVISION: &str = "group,embryo,mother,first,second,volume_first,volume_second,chi_signed";
 
-/// The columns of `bins.csv`: a bin and its test against the next larger cells.
+/// The columns of `bins.csv`: a bin and its test against the bin of the next larger cells.
 const BIN: &str = "from,to,n,chi_mean,chi_sd,u,p,stars";
 
 /// Writes all files or, if one fails, no file. `json` is the output of `--json`.
@@ -40,7 +40,7 @@ pub fn write(
         json!([d.group, d.embryo, d.mother, first, second, v_first, v_second, d.chi_signed])
     });
     let bin = bins.iter().enumerate().map(|(k, bin)| {
-        // The first bin, of the largest cells, has no bin above it to be tested against.
+        // The first bin contains the largest cells and is not tested.
         let test = k.checked_sub(1).and_then(|k| tests.get(k));
         let [u, p] = [test.map(|test| test.test.u), test.map(|test| test.test.p)];
         json!([bin.from, bin.to, bin.n, bin.mean, bin.sd, u, p, test.map(|test| test.stars)])

@@ -1,4 +1,4 @@
-//! `furrow compare lifetimes`: measured lifetimes beside the lifetimes in a tree with a clock.
+//! `furrow compare lifetimes`: measured lifetimes compared with the lifetimes in a tree with a clock.
 
 use super::{skipped_text, trees_of};
 use crate::cli::cell::load_lineage;
@@ -30,31 +30,32 @@ use std::path::{Path, PathBuf};
 /// Compares measured lifetimes of cells with the lifetimes in a tree with a clock
 ///
 /// A table has the columns cell and lifetime_min (or lifetime_s, lifetime_h; or birth_min and division_min), and optionally embryo, n,
-/// sd_min and birth_min; lines that begin with # are comments. Embryos that other programs followed are read too, as by compare volumes.
-/// Of several embryos each has its time factor and its minute 0. Without a table the means of 28 embryos of C. elegans are used. Prints every cell, the lifetime over the volume by founder, the sister of each pair that divides first, and
-/// when the model's tree leaves the embryo's. A clock is fitted, so the model's lifetimes are no predictions, but its cells, their sizes
-/// and therefore the order of sisters are.
+/// sd_min and birth_min; lines that begin with # are comments. As for compare volumes, embryos tracked by other programs can be read
+/// too. If there are several embryos, each has a time factor and a minute 0. Without a table the means of 28 embryos of C. elegans are
+/// used. Prints every cell, the lifetime over the volume by founder, which sister of each pair divides first, and when the number of
+/// cells in the model departs from the embryo's. The clock is fitted, so the model's lifetimes are not predictions; its cells, their
+/// sizes and therefore the order of sisters are.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   furrow compare lifetimes
   furrow compare lifetimes lifetimes.csv --tree furrow-out/tree.json")]
 pub struct LifetimesArgs {
-    /// Tables of lifetimes, CSV, embryos followed by other programs, or folders of these; default published means
+    /// Tables of lifetimes (CSV), embryos tracked by other programs, or folders of these; default published means
     #[arg(value_name = "TABLE")]
     tables: Vec<PathBuf>,
-    /// A tree that was grown before, or a lineage file to grow; default the built-in C. elegans founders
+    /// A tree.json of an earlier run, or a lineage file to grow; default the built-in C. elegans founders
     #[arg(help_heading = "Model", long, visible_alias = "lineage", value_name = "TREE.json|LINEAGE.ron")]
     tree: Option<PathBuf>,
     /// Tables of cell volumes, as for compare volumes; default the published ones, for a lineage with the founders of C. elegans
     #[arg(help_heading = "Tables", long, value_name = "FILE")]
     volumes: Vec<PathBuf>,
-    /// Minutes from one frame to the next, for embryos with times in frames; of one embryo with its name. Frames then count where
-    /// the file has times in a unit besides, as the XML of TrackMate
+    /// Minutes per frame, for embryos with times in frames; EMBRYO=MIN sets the value of one embryo. If the file also has times with a
+    /// unit, like the XML of TrackMate, frames are used
     #[arg(help_heading = "Tables", long, value_name = "MIN|EMBRYO=MIN",
         value_parser = of_embryo, requires = "tables")]
     frame_minutes: Vec<OfEmbryo>,
-    /// Divides the times of each embryo by its time factor before embryos are averaged
+    /// Divides the times of each embryo by its time factor before averaging over embryos
     #[arg(help_heading = "Tables", long, requires = "tables")]
     common_pace: bool,
     #[command(flatten)]
@@ -125,7 +126,7 @@ impl Model {
         }
     }
 
-    /// The tree of the file, or one grown from the lineage.
+    /// The tree in the file, or a tree grown from the lineage.
     pub(super) fn tree(self, context: &Context) -> Result<Tree, CliError> {
         match self {
             Model::Grown(tree) => Ok(*tree),
@@ -189,7 +190,7 @@ fn founders_text(found: &LifetimesComparison) -> String {
         .to_owned();
     let slopes = |slope: Option<Trend>, model: Option<Trend>| {
         let measured = slope.map_or(format!("{:>16}{:>8}{:>8}{:>12}", "-", "-", "-", "-"), |Trend { line, p }| {
-            // Two sizes have a slope alone.
+            // Two sizes determine a slope without an error.
             let error = if line.slope_error.is_nan() { String::new() } else { format!(" ± {:.3}", line.slope_error) };
             let [slope, p] = [format!("{:.3}{error}", line.slope), p.map_or("-".to_owned(), |p| format!("{p:.2e}"))];
             let r_squared = or_dash(line.r_squared, 3);
@@ -219,7 +220,7 @@ fn order_text(Order { pairs, larger_first, model }: &Order) -> String {
     }
     let certain = |pair: &&SistersComparison| pair.measured.p.is_some_and(|p| p < 0.05);
     let mut out = format!("order of division in {} pairs of sisters", pairs.len());
-    // Sisters that were measured once have no test.
+    // No test is possible for sisters measured only once.
     if pairs.iter().any(|pair| pair.measured.p.is_some()) {
         let _ = write!(out, ", which differ in {} (Welch's p < 0.05)", pairs.iter().filter(certain).count());
     }

@@ -1,4 +1,4 @@
-//! `furrow compare`: the model beside measured embryos.
+//! `furrow compare`: the model compared with measured embryos.
 
 mod by_size;
 mod contour;
@@ -48,10 +48,10 @@ pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
     }
 }
 
-/// Skipped values that are listed.
+/// Largest number of skipped values that are listed.
 const MOST_SKIPPED: usize = 10;
 
-/// The first of the values that were skipped, and how many more there are; each list with its full count.
+/// The first of the skipped values, and the number of further ones, for each list with its total count.
 fn skipped_text(lists: &[(&[Skipped], u64)]) -> String {
     let shown = lists.iter().flat_map(|(skipped, _)| *skipped).take(MOST_SKIPPED);
     let out: String = shown.map(|skipped| format!("  skipped {skipped}\n")).collect();
@@ -69,23 +69,23 @@ fn check_bins(edges: Option<&[f64]>) -> Result<(), InputError> {
     InputError::require(rising, "--bins", "bins", given, "two numbers or more, rising")
 }
 
-/// The degrees of freedom and the p value of a slope, behind its error.
+/// The degrees of freedom and the p value of a slope, printed after its error.
 fn significance(line: &Line) -> String {
     let p = slope_p(line).map_or("no test, nothing scatters".to_owned(), |p| format!("p = {p:.1e}"));
     format!(" (degrees of freedom {}, {p})", line.degrees_of_freedom())
 }
 
-/// A share of a variation, if there is one.
+/// A fraction of a variance, if it is defined.
 fn share(r_squared: Option<f64>, digits: usize) -> String {
     r_squared.map_or("undefined".to_owned(), |share| format!("{share:.digits$}"))
 }
 
-/// A standard deviation behind a mean; empty for few values, where it means little.
+/// A standard deviation, printed after a mean; empty for few values, for which it is unreliable.
 fn plus_minus(sd: Option<f64>, n: usize) -> String {
     sd.filter(|_| n >= SPREAD_FROM).map_or(String::new(), |sd| format!(" ± {sd:.3}"))
 }
 
-/// How a computed division ended: χ, or the outcome without one, or a dash where it is not known.
+/// The result of a computed division: χ, or the outcome if there is no χ, or a dash if it is unknown.
 fn ended(chi: Option<f64>, outcome: Option<Outcome>) -> String {
     let outcome = || outcome.map_or("-".to_owned(), |outcome| outcome.name().to_owned());
     chi.map_or_else(outcome, |chi| format!("{chi:.3}"))
@@ -93,7 +93,7 @@ fn ended(chi: Option<f64>, outcome: Option<Outcome>) -> String {
 
 /// Trees of several lineages with the parameters of the command, in one run.
 fn trees_of(lineages: Vec<Lineage>, memo: &Memo, context: &Context) -> Result<Vec<Tree>, CliError> {
-    // Until here only files were read, which Ctrl-C stops at once.
+    // Up to here only files were read, and Ctrl-C stops the command immediately.
     interrupt::finish();
     context.settings.check_divisions("settings")?;
     context.check_taken(&lineages.iter().collect::<Vec<_>>(), [])?;

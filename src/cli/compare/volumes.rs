@@ -1,4 +1,4 @@
-//! `furrow compare volumes`: size asymmetries beside the measured ones.
+//! `furrow compare volumes`: size asymmetries compared with measured ones.
 
 use super::super::messages;
 use furrow_measured::events::Division;
@@ -34,12 +34,12 @@ use std::path::PathBuf;
 
 /// Compares size asymmetries of measured divisions with the model's
 ///
-/// A table is long, with columns embryo, cell and volume (or volume_um3, volume_voxels, relative_volume) and optionally group, frame
-/// and n, or a grid of frames by cells of one embryo in voxels, such as SampleNN_Volume.csv, or of divisions, with columns embryo,
-/// mother, larger_um3, smaller_um3 and optionally mother_um3, population and generation, or of χ, with columns mother, chi (or
-/// chi_signed) and optionally embryo and group. Embryos followed by other programs are read too: nuclei (zip) or CD tables of
-/// AceTree, spots of TrackMate or Mastodon as CSV with their links beside them, GEFF. Without a table the model is compared with
-/// published means. The model's χ is computed twice: grown from its zygote, and with the measured sizes of AB and P1.
+/// A table has one of four layouts. Long: columns embryo, cell and volume (or volume_um3, volume_voxels, relative_volume) and optionally
+/// group, frame and n. Grid: frames by cells of one embryo, in voxels, such as SampleNN_Volume.csv. Divisions: columns embryo,
+/// mother, larger_um3, smaller_um3 and optionally mother_um3, population and generation. χ: columns mother, chi (or
+/// chi_signed) and optionally embryo and group. Embryos tracked by other programs can be read too: nuclei (zip) or CD tables of
+/// AceTree, spots of TrackMate or Mastodon as CSV with their links in the same folder, GEFF. Without a table the model is compared with
+/// published means. The model's χ is computed twice: from the model's zygote, and from the measured sizes of AB and P1.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -51,37 +51,37 @@ pub struct VolumesArgs {
     /// Tables of cell volumes (CSV), tracked embryos (zip, CSV, XML, txt, folder), or folders of these
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Published means that are compared without a table
+    /// Published means to compare if no table is given
     #[arg(help_heading = "Tables", long, value_name = "NAME", value_enum, default_value_t = Published::Jankele2021, conflicts_with = "files")]
     published: Published,
     /// Tables of a second condition, for a regression
     #[arg(help_heading = "Tables", long, value_name = "FILE", requires = "files")]
     against: Vec<PathBuf>,
-    /// Edge of a voxel in µm, which converts voxels to µm³, and diameters in pixels to µm; of one embryo with its name
+    /// Edge length of a voxel in µm, which converts voxels to µm³, and diameters in pixels to µm; EMBRYO=UM sets that of one embryo
     #[arg(help_heading = "Tables", long, value_name = "UM|EMBRYO=UM", value_parser = of_embryo, requires = "files")]
     voxel: Vec<OfEmbryo>,
     #[command(flatten)]
     matching: MatchArgs,
-    /// Unit of tables without one: um3, voxels or relative; default voxels for a grid of whole numbers, for others relative if no
-    /// number is above 1.5 and µm³ if one is
+    /// Unit of volumes in tables that give no unit: um3, voxels or relative; default voxels for a grid of whole numbers, otherwise
+    /// relative if no number is above 1.5 and µm³ if one is
     #[arg(help_heading = "Tables", long, value_name = "UNIT", value_parser = str::parse::<Unit>, requires = "files")]
     unit: Option<Unit>,
     /// Two groups to regress on each other, such as wt,ctrl
     #[arg(help_heading = "Statistics", long, value_name = "X,Y")]
     regress: Option<String>,
-    /// Populations of a table of divisions that are used, such as Mac,Mes; default all
+    /// Populations of a table of divisions to use, such as Mac,Mes; default all
     #[arg(help_heading = "Tables", long, value_name = "NAME,NAME,..", value_delimiter = ',', requires = "files")]
     population: Option<Vec<String>>,
-    /// Edges of the bins of the mother's volume, ascending, such as 100,1000,10000; default decades
+    /// Edges of the bins of the mother's volume, in ascending order, such as 100,1000,10000; default decades
     #[arg(help_heading = "Statistics", long, visible_alias = "classes", value_name = "V,V,..", value_delimiter = ',', value_parser = number,
         requires = "files")]
     bins: Option<Vec<f64>>,
-    /// One L_h, in the cube root of the tables' unit (µm of µm³), or fit: by all mothers; default the lineage file's, without one
-    /// such that P0 is as large as measured, and by all mothers where P0 is not
+    /// L_h in the cube root of the tables' unit (µm for µm³), or fit to use all mothers. The default is the lineage file's L_h,
+    /// otherwise the L_h at which P0 has its measured size, or fit if P0 was not measured
     #[arg(help_heading = "Statistics", long, value_name = "LENGTH|fit", value_parser = wanted_scale,
         requires = "files")]
     length_scale: Option<LengthScale>,
-    /// Sets of constants from calibrate --ensemble, which give the model's χ a range
+    /// Sets of constants from calibrate --ensemble, for a range of the model's χ
     #[arg(help_heading = "Model", long, value_name = "FILE.csv")]
     constants: Option<PathBuf>,
     /// Lineage that the model grows; default the built-in C. elegans founders
@@ -128,7 +128,7 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     let grow = |lineages| {
         let trees = trees_of(lineages, &memo, context)?;
         if !sets.is_empty() {
-            // Trees over sets of constants do not go to the cache.
+            // Trees over sets of constants are not cached.
             interrupt::abort();
         }
         Ok::<_, CliError>(trees)
@@ -169,7 +169,7 @@ fn text(found: &VolumesComparison, measured: &MeasuredVolumes, is_of_several: bo
     let noise = found.noise.as_ref().map_or(String::new(), noise_text);
     let regressions: String = found.regressions.iter().map(regression_text).collect();
     let scale = scale_text(found.unit, found.length_scale);
-    // Of one table with many embryos they are in the JSON.
+    // For one table with many embryos they are only in the JSON.
     let sizes = if is_of_several { sizes_text(&found.embryos, found.unit) } else { String::new() };
     let matched = matched_text(&found.matched);
     [source, groups, bins_text(found), trend, noise, regressions, scale, sizes, matched, used_text(found)].concat()
@@ -186,7 +186,7 @@ fn curves(
     let Some(length) = length else { return Ok(Vec::new()) };
     let radii = divisions.iter().map(|d| (0.75 / std::f64::consts::PI * d.mother_volume()).cbrt() / length);
     let [least, most] = radii.fold([f64::INFINITY, 0.0], |[a, b], r| [f64::min(a, r), f64::max(b, r)]);
-    // From a cell at rest to one slightly larger than the zygote.
+    // The range is from a cell at rest to a cell slightly larger than the zygote.
     let [from, to] = [least.clamp(SMALLEST, settings.cell.r0), most.clamp(SMALLEST, 1.2 * settings.cell.r0)];
     if from >= to {
         return Ok(Vec::new());
@@ -232,7 +232,7 @@ fn read(args: &VolumesArgs, cells: &Names) -> Result<MeasuredVolumes, InputError
     MeasuredVolumes::of(volumes, ("--population", args.population.as_deref()))
 }
 
-/// The regressions asked for: of named groups, or of two conditions.
+/// The requested regressions, of named groups or of two conditions.
 fn regressions(args: &VolumesArgs, groups: &[GroupComparison]) -> Result<Vec<Regression>, InputError> {
     let names = match &args.regress {
         Some(text) => text.split_once(',').map(|(x, y)| (x.trim(), y.trim())).filter(|(x, y)| x != y),
@@ -243,7 +243,7 @@ fn regressions(args: &VolumesArgs, groups: &[GroupComparison]) -> Result<Vec<Reg
     let known =
         if known.is_empty() { "the tables have none".to_owned() } else { format!("groups are {}", known.join(", ")) };
     let allowed = format!("two groups of the tables, as X,Y; {known}");
-    // Tables with their own groups lack the two conditions' names.
+    // Tables with groups lack the names of the two conditions.
     let fine = found.is_some() || args.regress.is_none();
     InputError::require(
         fine,
@@ -271,7 +271,7 @@ fn scale_text(unit: Option<Unit>, scale: Option<Scale>) -> String {
     format!("one L_h is {length:.4} {unit}, {from}\n")
 }
 
-/// The number of used volumes, and of unused ones.
+/// The numbers of used and of unused volumes.
 fn used_text(found: &VolumesComparison) -> String {
     let VolumesComparison { used, skipped, skipped_count, divisions, half_seen, .. } = found;
     let used = match (found.source, found.unit) {
@@ -318,7 +318,7 @@ fn group_text(group: &GroupComparison) -> String {
     out + "\n"
 }
 
-/// The range of χ over sets of constants, and the share of sets with which the cell divides.
+/// The range of χ over sets of constants, and the fraction of sets with which the cell divides.
 fn band_text(Band { chi, divides }: Band) -> String {
     let share = if divides < 1.0 { format!(", divides with {:.0} %", 100.0 * divides) } else { String::new() };
     match chi {

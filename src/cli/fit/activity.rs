@@ -16,9 +16,9 @@ use furrow_input::InputError;
 use furrow_lineage::TreeSettings;
 use std::fmt::Write;
 
-/// Finds for each founder by itself the activity that gives its observed rounds
+/// Finds for each founder separately the activity that gives its observed rounds
 ///
-/// Everything else of a founder is as in the lineage file. The column "model" has the rounds that furrow tree counts.
+/// All other parameters of a founder are those of the lineage file. The column "model" has the rounds that furrow tree counts.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -27,7 +27,7 @@ Examples:
 pub struct ActivityArgs {
     #[command(flatten)]
     lineage: LineageArgs,
-    /// Which count of rounds activities are fitted to
+    /// Count of rounds to which activities are fitted
     #[arg(help_heading = "Activity", long, value_name = "READING", default_value = "mean", value_parser = one_of(Reading::NAMED))]
     rounds: Reading,
     /// Lower limit of the activity ξ_s
@@ -53,7 +53,7 @@ pub fn run(args: &ActivityArgs, context: &Context) -> Result<(), CliError> {
     InputError::require(range[1] > range[0], "--xi-to", "xi_s", range[1], allowed)?;
     let memo = context.memo()?;
     let picture = args.plot.file()?;
-    // Divisions of trees go to the cache.
+    // Divisions of trees are cached.
     interrupt::finish();
     let search = |run: &FitRun<'_>| activities(run, &memo, args.rounds, range);
     let found = fit.search(context, "trees", search)?;

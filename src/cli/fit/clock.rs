@@ -22,7 +22,7 @@ use std::path::PathBuf;
 
 /// Fits the lifetimes of cells as powers of their volumes, by founder
 ///
-/// Of each founder with three cells or more, ln lifetime over ln volume is fitted by a straight line. Prints a clock for a lineage
+/// For each founder with three cells or more, a straight line is fitted to ln lifetime over ln volume. Prints a clock for a lineage
 /// file.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -37,12 +37,12 @@ pub struct ClockArgs {
     /// Volumes of the cells: tables (CSV) or tracked embryos, as for compare volumes; default the published ones
     #[arg(help_heading = "Targets", long, value_name = "TABLE")]
     volumes: Vec<PathBuf>,
-    /// Minutes from one frame to the next, for embryos with times in frames; of one embryo with its name. Frames then count where
-    /// the file has times in a unit besides, as the XML of TrackMate
+    /// Minutes per frame, for embryos with times in frames; EMBRYO=MIN sets the value of one embryo. If the file also has times with a
+    /// unit, like the XML of TrackMate, frames are used
     #[arg(help_heading = "Targets", long, value_name = "MIN|EMBRYO=MIN",
         value_parser = of_embryo, requires = "tables")]
     frame_minutes: Vec<OfEmbryo>,
-    /// Divides the times of each embryo by its time factor before embryos are averaged
+    /// Divides the times of each embryo by its time factor before averaging over embryos
     #[arg(help_heading = "Targets", long, requires = "tables")]
     common_pace: bool,
     #[command(flatten)]
@@ -50,7 +50,7 @@ pub struct ClockArgs {
     /// Lineage with the founders to fit; default the built-in C. elegans founders
     #[arg(help_heading = "Targets", long, value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
-    /// Writes the clock as a lineage file, on the built-in lineage unless --lineage is given
+    /// Writes the clock as a lineage file, based on the built-in lineage unless --lineage is given
     #[arg(help_heading = "Output", long, value_name = "FILE.ron")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -107,7 +107,7 @@ pub fn run(args: &ClockArgs, context: &Context) -> Result<(), CliError> {
     })
 }
 
-/// Most skipped rows that the text lists.
+/// Largest number of skipped rows listed in the text.
 const MOST_ROWS: usize = 10;
 
 fn clock_text(found: &FittedClock) -> String {

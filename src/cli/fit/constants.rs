@@ -16,7 +16,7 @@ use furrow_formats::write_atomically;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-// No doc comment: `furrow fit` has these options too, and a help of its own.
+// No doc comment, since clap would use it as the help of `furrow fit`, which has these options too.
 #[derive(Debug, Args)]
 pub struct ConstantsArgs {
     #[command(flatten)]
@@ -40,7 +40,7 @@ pub fn run(args: &ConstantsArgs, context: &Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
     writable_file("--out", args.out.as_deref())?;
     let memo = context.memo()?;
-    // Divisions of trees go to the cache.
+    // Divisions of trees are cached.
     interrupt::finish();
     let search = |run: &FitRun<'_>| fit_constants(run, &targets, &memo, args.search.budget());
     let found = fit.search(context, "sets of constants", search)?;
@@ -86,7 +86,7 @@ fn constants_text(found: &FittedConstants, targets: &Targets) -> String {
     out + "\n"
 }
 
-/// The constants of the start and of the best fit, with the sharpness of its minimum.
+/// The initial constants and those of the best fit, with the sharpness of its minimum.
 fn values_text(found: &FittedConstants) -> String {
     let FittedConstants { best, start, sharpness, plateau, .. } = found;
     let mut out = "constant      start       best   misfit +0.05, alone    tried, misfit +0.05  \n".to_owned();
@@ -104,7 +104,7 @@ fn values_text(found: &FittedConstants) -> String {
     out
 }
 
-/// The founders of the best fit beside the observed ones.
+/// The founders of the best fit, compared with the observed ones.
 fn founders_text(best: &Evaluated, targets: &Targets) -> String {
     let mut out = "\nfounder   mean rounds, observed     terminal, observed                χ\n".to_owned();
     for founder in &best.founders {

@@ -16,7 +16,7 @@ use std::fmt::Write;
 
 /// Fits the numbers of a cue to the measured χ of the germline
 ///
-/// Says which combinations of the numbers stay undetermined, and predicts divisions that were not fitted.
+/// Prints which combinations of the numbers remain undetermined, and predicts divisions that were not fitted.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -106,7 +106,7 @@ fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
     out + "\n"
 }
 
-/// Fitted divisions that jump within the errors or within one percent.
+/// Fitted divisions whose χ jumps within the errors or within one percent.
 fn jumps_text(jumps: &[Jump]) -> String {
     if jumps.is_empty() {
         return String::new();

@@ -36,7 +36,7 @@ pub struct FitArgs {
 enum What {
     /// Fits one set of constants to the observed rounds and terminal cells of founders and the measured χ of the germline
     ///
-    /// Prints the Pareto front between this fit and the published thresholds, and how far each constant can move.
+    /// Prints the Pareto front between this fit and the published thresholds, and how far each constant can change.
     #[command(after_help = "\
 Examples:
   furrow fit constants --out fitted.ron
@@ -47,7 +47,7 @@ Examples:
     Clock(clock::ClockArgs),
 }
 
-// The lineage that all fits are about.
+// The lineage used by all fits.
 #[derive(Debug, Args)]
 struct LineageArgs {
     /// Founders with their observed rounds; default the built-in C. elegans founders
@@ -55,15 +55,15 @@ struct LineageArgs {
     lineage: Option<PathBuf>,
 }
 
-// What constants and cues are fitted to.
+// The targets of constants and cues.
 #[derive(Debug, Args)]
 struct TargetsArgs {
-    /// Observations that constants and cues are fitted to; default the built-in data/embryo.ron
+    /// Observations to which constants and cues are fitted; default the built-in data/embryo.ron
     #[arg(help_heading = "Targets", long, value_name = "TARGETS.ron")]
     targets: Option<PathBuf>,
 }
 
-// A search by a swarm.
+// Options of a search by a particle swarm.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Search")]
 struct SearchArgs {
@@ -105,7 +105,7 @@ impl Fit {
         Ok(Fit { lineage, settings, start })
     }
 
-    /// The targets of a file, or the built-in ones, checked, and the file's name.
+    /// The checked targets of a file, or the built-in ones, and the file's name.
     fn targets(&self, args: &TargetsArgs) -> Result<(Targets, String), CliError> {
         let (targets, file) = match &args.targets {
             None => (Targets::embryo()?, "embryo.ron (built in)".to_owned()),
@@ -118,7 +118,7 @@ impl Fit {
         Ok((targets, file))
     }
 
-    /// Runs a search that shows how many of `what` it has tried.
+    /// Runs a search with a progress line that counts the tried `what`.
     fn search<T>(&self, context: &Context, what: &str, search: impl FnOnce(&FitRun<'_>) -> T) -> T {
         context.shown(|line| {
             let show = |FitProgress { done, of, least }| {
@@ -142,7 +142,7 @@ impl SearchArgs {
     }
 }
 
-/// A line for each number that ended at the edge of its range; `advice` says how the range is changed.
+/// A line for each number that ended at the edge of its range; `advice` describes how to change the range.
 fn at_limit_text(numbers: &[NumberAtLimit], advice: &str) -> String {
     let line = |out: String, NumberAtLimit { name, limit, searched: [from, to], .. }: &NumberAtLimit| {
         let end = limit.of([from.min(*to), from.max(*to)]);
