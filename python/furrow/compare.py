@@ -171,7 +171,7 @@ class Mother:
     ``n``: Divisions measured.
     ``measured``: Mean of |χ|.
     ``sd``: Its standard deviation.
-    ``measured_signed``: Mean of χ as first minus second named daughter.
+    ``measured_signed``: Mean of χ as first minus second named daughter; None if a table has no signs.
     ``model``: χ in the tree grown from the zygote; None if it does not divide there.
     ``model_outcome``: Its outcome there.
     ``given_first``: χ in the tree with the measured sizes of AB and P1.
@@ -183,7 +183,7 @@ class Mother:
     n: int
     measured: float
     sd: float | None
-    measured_signed: float
+    measured_signed: float | None
     model: float | None
     model_outcome: str | None
     given_first: float | None

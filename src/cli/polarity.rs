@@ -140,7 +140,7 @@ impl Shown<'_> {
             let measured = cell.measured.as_ref().map_or("-".to_owned(), |m| {
                 format!(
                     "{:.3}{}",
-                    m.mean_signed,
+                    m.mean_signed.unwrap_or(m.mean),
                     m.sd_signed.map_or(String::new(), |sd| format!(" ± {sd:.3} (n = {})", m.n))
                 )
             });

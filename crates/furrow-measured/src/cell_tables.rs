@@ -66,8 +66,9 @@ impl Volumes {
         let name = options.names.understood(&embryo.written(), &cell.written()).ok_or_else(|| {
             (cell, (if cell.text.is_empty() { "no name of a cell" } else { options.names.unknown() }).to_owned())
         })?;
-        let embryo =
-            self.embryo(columns.group.group_of(row, options.group.as_ref())?, embryo.named("an embryo")?, file);
+        let (group, embryo) = (columns.group.group_of(row, options.group.as_ref())?, embryo.named("an embryo")?);
+        columns.common.require(row, &embryo, &group)?;
+        let embryo = self.embryo(group, embryo, file);
         let cell_place = self.cell(embryo, &name, cell.line);
         let frame = columns.frame.map(|column| at(column).number()).transpose()?;
         if let Some(n) = columns.n.map(at).filter(|n| !n.text.is_empty())
@@ -186,6 +187,7 @@ impl GridColumns {
             return Ok(((group, of_file.to_owned()), Some(row.line as f64)));
         };
         let name = at(embryo).named("an embryo")?;
+        self.common.require(row, &name, &group)?;
         // Rows of a strain are embryos without names.
         let name = if self.group.column == Some(embryo) { format!("{name}:{}", row.line) } else { name };
         let frame = self.frame.map(|column| at(column).number()).transpose()?;
@@ -206,12 +208,13 @@ impl Value<'_> {
     }
 }
 
-/// Whether a text can be a frame: a number, a time, t12 or frame 12.
+/// Whether a text can be a frame: a number, a time, t12 or frame 12, but no date.
 fn may_be_frame(label: &str) -> bool {
     let number = label.trim_start_matches(|c: char| !c.is_ascii_digit());
     let word = label[..label.len() - number.len()].to_lowercase();
     let word = word.trim_matches(|c: char| !c.is_alphabetic());
-    word.is_empty() || !number.is_empty() && (FRAME.contains(&word) || ["tp", "image"].contains(&word))
+    let is_number = || number.is_empty() || number.bytes().all(|byte| byte.is_ascii_digit() || b".,:".contains(&byte));
+    word.is_empty() && is_number() || !number.is_empty() && (FRAME.contains(&word) || ["tp", "image"].contains(&word))
 }
 
 /// The unit in the headings of a grid: of its cells, or of the frames.

@@ -3,11 +3,11 @@
 use std::cell::Cell;
 use std::io::Read;
 
-use furrow_input::InputError;
 use furrow_input::table::{Row, Table};
+use furrow_input::{InputError, rounded_number};
 
 use crate::events::{Division, GENERATION};
-use crate::layout::{ChiColumns, DivisionColumns, VolumeUnit, embryo_of_file, is_absent, unit_in};
+use crate::layout::{ChiColumns, DivisionColumns, Share, VolumeUnit, embryo_of_file, is_absent, unit_in};
 use crate::names::Names;
 use crate::several::Source;
 use crate::volumes::{ReadOptions, Rejected, Value, Volumes, fitting, positive, positive_of};
@@ -126,50 +126,78 @@ pub(crate) fn division<'r>(
     }
     let factor = options.factor(unit_of_row(row, columns, said)?, &embryo);
     let name = name_of(mother, &embryo, &options.names);
+    let chi_signed = (volumes[0] - volumes[1]) / (volumes[0] + volumes[1]);
+    for value in columns.chi.map(at).into_iter().filter(|value| !is_absent(value.text)) {
+        agrees(value, value.number()?.abs(), chi_signed, "that of the volumes")?;
+    }
+    let group = columns.population.group_of(row, options.group.as_ref())?;
+    columns.common.require(row, &embryo, &group)?;
     let division = Division {
         embryo,
-        group: columns.population.group_of(row, options.group.as_ref())?,
+        group,
         // Without classes mothers of different embryos share only their generation.
         mother: class_of(row, &columns.class)?
             .or(generation.map(|number| format!("{GENERATION}{}", number.written())))
             .unwrap_or_else(|| name.clone()),
         daughters: ["larger", "smaller"].map(|which| format!("{name} {which}")),
         volumes: volumes.map(|volume| factor * volume),
-        chi_signed: (volumes[0] - volumes[1]) / (volumes[0] + volumes[1]),
+        chi_signed,
+        is_signed: false,
         mother_measured: own.map(|volume| factor * volume),
         chi_sd: None,
     };
     Ok((mother, division))
 }
 
+/// What the error of χ is.
+const SD: &str = "a standard deviation of χ";
+
+/// Two values of χ of one division may differ by rounding alone.
+const ROUNDED: f64 = 0.011;
+
+/// Requires that two columns agree on χ.
+fn agrees<'r>(value: Value<'r>, chi: f64, other: f64, what: &str) -> Result<(), Rejected<'r>> {
+    match (chi - other).abs() <= ROUNDED {
+        true => Ok(()),
+        false => Err((value, format!("this χ is not {what}, {}", rounded_number(other, 3)))),
+    }
+}
+
 /// The division of a row of χ: daughters are fractions of their mother.
 pub(crate) fn chi_division<'r>(row: Row<'r>, columns: &ChiColumns, (file, options): (&str, &ReadOptions)) -> Found<'r> {
     let at = |column: usize| Value::new(row, column);
-    let (mother, value) = (at(columns.mother), at(columns.chi));
+    let (mother, value) = (at(columns.mother), at(columns.chi.column));
     mother.named("a mother")?;
-    let chi = value.number()?;
+    let chi = columns.chi.size * value.number()?;
     if chi.abs() >= 1.0 {
         return Err((value, "χ must be above -1 and below 1".to_owned()));
     }
     let given = |column: Option<usize>| column.map(at).filter(|value| !is_absent(value.text));
+    if let Some((Share { size, .. }, value)) = columns.absolute.and_then(|of| Some((of, given(Some(of.column))?))) {
+        agrees(value, size * value.number()?, chi.abs(), "the signed one without its sign")?;
+    }
     let own = given(columns.mother_volume.map(|(column, _)| column)).map(positive).transpose()?;
     let embryo = match columns.embryo.map(at) {
         None => embryo_of_file(file),
         // Divisions of one embryo may have no name.
-        Some(value) if value.text.is_empty() => String::new(),
+        Some(value) if is_absent(value.text) => String::new(),
         Some(value) => value.named("an embryo")?,
     };
     let size = columns.mother_volume.map_or(1.0, |(_, unit)| options.factor(Some(unit), &embryo));
     let name = name_of(mother, &embryo, &options.names);
+    let group = columns.group.group_of(row, options.group.as_ref())?;
+    columns.common.require(row, &embryo, &group)?;
+    let sd = |Share { column, size }: Share| given(Some(column)).map(|value| Ok(size * positive_of(value, SD)?));
     let division = Division {
         embryo,
-        group: columns.group.group_of(row, options.group.as_ref())?,
+        group,
         daughters: ["first", "second"].map(|which| format!("{name} {which}")),
         mother: class_of(row, &columns.class)?.unwrap_or(name),
         volumes: [0.5 * (1.0 + chi), 0.5 * (1.0 - chi)],
         chi_signed: chi,
+        is_signed: columns.is_signed,
         mother_measured: own.map(|volume| size * volume),
-        chi_sd: given(columns.chi_sd).map(|value| positive_of(value, "a standard deviation of χ")).transpose()?,
+        chi_sd: columns.chi_sd.and_then(sd).transpose()?,
     };
     Ok((mother, division))
 }

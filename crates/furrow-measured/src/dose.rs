@@ -12,10 +12,11 @@
 
 use std::io::Read;
 
-use furrow_input::InputError;
-use furrow_input::table::{Header, NamedUnit, Table, split_unit};
+use furrow_input::table::{Header, NamedUnit, Row, Table, split_unit};
+use furrow_input::{InputError, rounded_number};
 use serde::{Deserialize, Serialize};
 
+use crate::layout::{GroupColumn, SHARES, SUMMARY, embryo_column, is_summary};
 use crate::statistics::{Line, RankCorrelation, grouped, line, mean, rank_correlation, sd};
 use crate::volumes::{Rejected, Skipped, Value, fitting, note};
 
@@ -64,7 +65,7 @@ impl Doses {
         let columns = Columns::of(&table.columns(|_| false)?)?;
         let mut doses = Doses::default();
         while let Some(row) = table.next_row()? {
-            match fitting(row).and_then(|row| columns.division(|column| Value::new(row, column))) {
+            match fitting(row).and_then(|row| columns.division(row)) {
                 Ok(division) => doses.divisions.push(division),
                 Err(rejected) => note(&mut doses.skipped, &mut doses.skipped_count, || Skipped::new(file, &rejected)),
             }
@@ -82,12 +83,6 @@ const DOSES: [NamedUnit<()>; 2] = [
     NamedUnit { kind: (), size: 0.01, words: &["%", "percent", "%wt", "%ofwt", "%wildtype", "%ofwildtype"] },
 ];
 
-/// Units of shares.
-const SHARES: [NamedUnit<()>; 2] = [
-    NamedUnit { kind: (), size: 1.0, words: &["1", "fraction", "relative"] },
-    NamedUnit { kind: (), size: 0.01, words: &["%", "percent"] },
-];
-
 struct Columns {
     dose: usize,
     /// Its unit, as a share of the wild type's dose.
@@ -95,19 +90,27 @@ struct Columns {
     share: usize,
     /// Its unit, as a share.
     share_unit: f64,
-    condition: Option<usize>,
+    condition: GroupColumn,
+    embryo: Option<usize>,
 }
 
 impl Columns {
     fn of(header: &Header<'_>) -> Result<Columns, InputError> {
         let is_dose = |name: &str| {
             let (name, _) = split_unit(name);
-            let name = name.trim_end_matches('_');
+            let name = name.trim_end_matches(['_', '/']).trim_end_matches("_(%)");
             ["dose", "dosage"].iter().any(|end| name == *end || name.ends_with(&format!("_{end}")))
         };
-        let dose = header.find_only("dose", is_dose)?;
+        let dose = header.find_only("dose", |name| is_dose(name.trim_end_matches(['%', '_', '/'])))?;
+        let is_logarithm = |name: &str| ["log", "ln", "lg"].iter().any(|start| name.starts_with(start));
+        if let Some(column) = dose.filter(|column| is_logarithm(&header.names[*column].to_lowercase())) {
+            let why =
+                format!("column {}, {:?}, must have doses and not their logarithms", column + 1, header.names[column]);
+            return Err(header.refused(why));
+        }
         let share = header.only("share", &header.quantity("larger_share", &SHARES)?)?;
-        let condition = header.find_only("condition", |name| name == "condition" || name == "group")?;
+        let condition = GroupColumn::of(header);
+        let embryo = embryo_column(header);
         let missing = |name: &str| {
             let table =
                 "a table of doses has the columns dose (or one whose name ends in _dose or _dosage) and larger_share";
@@ -117,10 +120,17 @@ impl Columns {
         let (share, of_share) = share.ok_or_else(|| missing("larger_share"))?;
         let unit = header.unit(dose, &DOSES)?.map_or(1.0, |unit| unit.size);
         let share_unit = of_share.map_or(1.0, |unit| unit.size);
-        Ok(Columns { dose, unit, share, share_unit, condition })
+        Ok(Columns { dose, unit, share, share_unit, condition, embryo })
     }
 
-    fn division<'r>(&self, at: impl Fn(usize) -> Value<'r>) -> Result<DosedDivision, Rejected<'r>> {
+    fn division<'r>(&self, row: Row<'r>) -> Result<DosedDivision, Rejected<'r>> {
+        let at = |column: usize| Value::new(row, column);
+        // A summary may be called so in the column of either.
+        for value in [self.embryo, self.condition.column].into_iter().flatten().map(at) {
+            if is_summary(value.text) {
+                return Err((value, SUMMARY.to_owned()));
+            }
+        }
         let read = |column: usize, fits: fn(f64) -> bool, allowed: &str| {
             let value = at(column);
             let number = value.number()?;
@@ -129,10 +139,15 @@ impl Columns {
         let dose =
             self.unit * read(self.dose, |dose| (0.0..=1e6).contains(&dose), "from 0 to 1e6; 1 is the wild type")?;
         let larger_share = match self.share_unit {
-            1.0 => read(self.share, |share| share > 0.0 && share < 1.0, "above 0 and below 1")?,
-            unit => unit * read(self.share, |share| share > 0.0 && share < 100.0, "above 0 and below 100 %")?,
+            1.0 => {
+                read(self.share, |share| (0.5..1.0).contains(&share), "from 0.5, the larger daughter's, and below 1")?
+            }
+            unit => {
+                let allowed = "from 50 %, the larger daughter's, and below 100 %";
+                unit * read(self.share, |share| (50.0..100.0).contains(&share), allowed)?
+            }
         };
-        let condition = self.condition.map(|column| at(column).written()).unwrap_or_default();
+        let condition = self.condition.group_of(row, None)?;
         Ok(DosedDivision { dose, larger_share, condition })
     }
 }
@@ -207,7 +222,9 @@ pub fn by_dose(divisions: &[DosedDivision], edges: Option<&[f64]>) -> Vec<DoseGr
     let bin = |pair: &[f64]| {
         let inside = |division: &&DosedDivision| (pair[0]..pair[1]).contains(&division.dose);
         let inside: Vec<&DosedDivision> = divisions.iter().filter(inside).collect();
-        (!inside.is_empty()).then(|| DoseGroup::of(format!("{}..{}", pair[0], pair[1]), &inside))
+        (!inside.is_empty()).then(|| {
+            DoseGroup::of(pair.iter().map(|edge| rounded_number(*edge, 4)).collect::<Vec<_>>().join(".."), &inside)
+        })
     };
     edges.windows(2).filter_map(bin).collect()
 }

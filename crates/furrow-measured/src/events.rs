@@ -28,6 +28,9 @@ pub struct Division {
     pub volumes: [f64; 2],
     /// (V₁ − V₂)/(V₁ + V₂).
     pub chi_signed: f64,
+    /// Whether its sign is known: of a table without signs it is positive.
+    #[serde(skip)]
+    pub is_signed: bool,
     /// The mother's own volume, where a table has it beside the division.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mother_measured: Option<f64>,
@@ -104,7 +107,7 @@ pub fn divisions(volumes: &Volumes) -> Divisions {
                     let (daughters, volumes) = ([name.to_owned(), other], [volume, *second]);
                     let chi_signed = (volume - second) / (volume + second);
                     let division = Division { embryo, group, mother, daughters, volumes, ..Division::default() };
-                    found.divisions.push(Division { chi_signed, ..division });
+                    found.divisions.push(Division { chi_signed, is_signed: true, ..division });
                 }
                 Some(_) => {}
             }
@@ -124,8 +127,8 @@ pub struct MotherSummary {
     pub mean: f64,
     /// Its sample standard deviation; `None` for one embryo.
     pub sd: Option<f64>,
-    /// Mean of the signed χ.
-    pub mean_signed: f64,
+    /// Mean of the signed χ; `None` where a table has no signs.
+    pub mean_signed: Option<f64>,
     /// Its standard deviation.
     pub sd_signed: Option<f64>,
     /// Mean volume of the mother; `None` where it is not known.
@@ -160,14 +163,15 @@ fn summary(group: &str, divisions: &[&Division]) -> GroupSummary {
     by_mother.sort_by_key(|(place, _)| *place);
     let of = |((_, mother), of): ((u32, &str), Vec<&Division>)| {
         let each = |get: fn(&Division) -> f64| of.iter().map(|division| get(division)).collect::<Vec<f64>>();
-        let (chi, signed) = (each(Division::chi), each(|division| division.chi_signed));
+        let chi = each(Division::chi);
+        let signed = of.iter().all(|division| division.is_signed).then(|| each(|division| division.chi_signed));
         MotherSummary {
             mother: mother.to_owned(),
             n: chi.len(),
             mean: mean(&chi),
             sd: sd(&chi),
-            mean_signed: mean(&signed),
-            sd_signed: sd(&signed),
+            mean_signed: signed.as_deref().map(mean),
+            sd_signed: signed.as_deref().and_then(sd),
             mother_volume: Some(mean(&each(Division::mother_volume))),
         }
     };

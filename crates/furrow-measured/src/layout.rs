@@ -1,6 +1,7 @@
 //! The layouts of tables of volumes, recognised by their first line, and the units of volumes.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
 
 use furrow_input::InputError;
 use furrow_input::table::{Header, NamedUnit, Row, TIMES, text, unit_of, units_listed};
@@ -27,19 +28,22 @@ pub enum Unit {
 pub(crate) type VolumeUnit = NamedUnit<Unit>;
 
 /// Units of volumes. A femtolitre is a cubic micrometre.
-pub(crate) const VOLUMES: [VolumeUnit; 7] = [
+pub(crate) const VOLUMES: [VolumeUnit; 8] = [
     NamedUnit {
         kind: Unit::CubicMicrometres,
         size: 1.0,
         words: &["um3", "micron3", "microns3", "cubicum", "cubicmicron", "cubicmicrons", "fl"],
     },
-    NamedUnit { kind: Unit::CubicMicrometres, size: 1e3, words: &["pl"] },
+    NamedUnit { kind: Unit::CubicMicrometres, size: 1e3, words: &["pl", "103um3", "1e3um3", "1000um3"] },
+    NamedUnit { kind: Unit::CubicMicrometres, size: 1e6, words: &["nl"] },
     NamedUnit { kind: Unit::CubicMicrometres, size: 1e9, words: &["mm3"] },
     NamedUnit { kind: Unit::CubicMicrometres, size: 1e-9, words: &["nm3"] },
     NamedUnit {
         kind: Unit::Voxels,
         size: 1.0,
-        words: &["voxels", "voxel", "vox", "voxels3", "voxel3", "px3", "pixels3", "pixel3"],
+        words: &[
+            "voxels", "voxel", "vox", "vx", "voxels3", "voxel3", "px", "pixels", "pixel", "px3", "pixels3", "pixel3",
+        ],
     },
     NamedUnit { kind: Unit::Relative, size: 1.0, words: &["relative", "1", "fraction"] },
     NamedUnit { kind: Unit::Relative, size: 0.01, words: &["%", "percent"] },
@@ -72,6 +76,7 @@ pub(crate) struct Columns {
     pub(crate) volume: (usize, Option<VolumeUnit>),
     pub(crate) embryo: usize,
     pub(crate) group: GroupColumn,
+    pub(crate) common: Common,
     pub(crate) frame: Option<usize>,
     pub(crate) n: Option<usize>,
     pub(crate) unit: Option<usize>,
@@ -85,7 +90,8 @@ impl Columns {
         if let (Some(cell), Some(volume), Some(embryo)) = (cell, volume, embryo) {
             let (group, frame) = (GroupColumn::of(header), frame_column(header)?);
             let (n, unit) = (header.find(&["n", "n_frames"]), header.find(&UNIT));
-            return Ok(Some(Columns { cell, volume, embryo, group, frame, n, unit }));
+            let common = Common::of(header, Some(embryo), &group);
+            return Ok(Some(Columns { cell, volume, embryo, group, common, frame, n, unit }));
         }
         if names.any_on_top(of_file, &header.names) {
             return Ok(None);
@@ -107,6 +113,50 @@ const EMBRYO: [&[&str]; 4] = [
     &["animal", "animal_id", "individual", "specimen"],
     &["egg", "worm", "replicate"],
 ];
+
+/// Names of other columns by which rows may be of different embryos or groups.
+const OTHERS: [&str; 9] = ["date", "movie", "recording", "experiment", "session", "batch", "slide", "dish", "litter"];
+
+/// Columns beside those of embryo and group that rows of one embryo have in common.
+#[derive(Default)]
+pub(crate) struct Common {
+    columns: Vec<usize>,
+    /// The values of each embryo's first row, by its name and group.
+    first: RefCell<HashMap<(String, String), Vec<String>>>,
+}
+
+impl Common {
+    /// Columns that could distinguish embryos or groups, beside those that do.
+    pub(crate) fn of(header: &Header<'_>, embryo: Option<usize>, group: &GroupColumn) -> Common {
+        let names = EMBRYO.concat().into_iter().chain(GROUP).chain(OTHERS);
+        let columns = names.filter_map(|name| header.find(&[name]));
+        let columns = columns.filter(|column| Some(*column) != embryo && Some(*column) != group.column).collect();
+        Common { columns, ..Common::default() }
+    }
+
+    /// Requires that a row has the values of its embryo's first row.
+    ///
+    /// # Errors
+    /// The first value that differs: the row is of another embryo.
+    pub(crate) fn require<'r>(&self, row: Row<'r>, embryo: &str, group: &str) -> Result<(), Rejected<'r>> {
+        if self.columns.is_empty() {
+            return Ok(());
+        }
+        let values = || self.columns.iter().map(|column| Value::new(row, *column));
+        let mut known = self.first.borrow_mut();
+        let first = known.entry((embryo.to_owned(), group.to_owned()));
+        let first = first.or_insert_with(|| values().map(Value::written).collect());
+        match values().zip(first).find(|(value, first)| value.written() != **first) {
+            None => Ok(()),
+            Some((value, first)) => Err((
+                value,
+                format!(
+                    "another embryo than the one called so before, which has {first:?} here: each needs a name of its own"
+                ),
+            )),
+        }
+    }
+}
 
 /// The column of embryos.
 pub(crate) fn embryo_column(header: &Header<'_>) -> Option<usize> {
@@ -130,7 +180,7 @@ fn frame_column(header: &Header<'_>) -> Result<Option<usize>, InputError> {
 }
 
 /// Names of the column of groups; one that comes first here counts where a table has several.
-const GROUP: [&str; 5] = ["group", "condition", "strain", "genotype", "treatment"];
+pub(crate) const GROUP: [&str; 5] = ["group", "condition", "strain", "genotype", "treatment"];
 
 /// The column of groups, if there is one.
 #[derive(Default)]
@@ -155,6 +205,7 @@ impl GroupColumn {
     /// The field is empty, an earlier row has a group, and no group is given. Spreadsheets fill only the first of merged fields.
     pub(crate) fn group_of<'r>(&self, row: Row<'r>, given: Option<&String>) -> Result<String, Rejected<'r>> {
         match (self.column.map(|column| Value::new(row, column)), given) {
+            (Some(value), _) if is_mean(value.text) => Err((value, SUMMARY.to_owned())),
             (Some(value), _) if !is_absent(value.text) => {
                 self.is_named.set(true);
                 Ok(value.written())
@@ -176,7 +227,7 @@ pub(crate) fn cell_column(header: &Header<'_>) -> Option<usize> {
 /// The column of volumes, with the unit where its heading gives one.
 pub(crate) fn volume_column(header: &Header<'_>) -> Result<Option<(usize, Option<VolumeUnit>)>, InputError> {
     let mut found = Vec::new();
-    for name in ["volume", "mean_volume", "relative_volume", "mean_relative_volume"] {
+    for name in ["volume", "vol", "cell_volume", "mean_volume", "relative_volume", "mean_relative_volume"] {
         for (column, unit) in header.quantity(name, &VOLUMES)? {
             let of_name =
                 name.contains("relative").then_some(NamedUnit { kind: Unit::Relative, size: 1.0, words: &[] });
@@ -192,6 +243,7 @@ pub(crate) struct GridColumns {
     /// Embryos, if each row is of one.
     pub(crate) embryo: Option<usize>,
     pub(crate) group: GroupColumn,
+    pub(crate) common: Common,
     pub(crate) frame: Option<usize>,
     /// The names of rows: of one of these columns, or of a first one that is no cell.
     pub(crate) label: Option<usize>,
@@ -207,23 +259,58 @@ impl GridColumns {
         let embryo = embryo_column(header).or(group.column.filter(|_| frame.is_none()));
         let is_first = header.names.first().is_some_and(|name| !is_cell(name));
         let label = embryo.or(frame).or(is_first.then_some(0));
-        Ok(GridColumns { embryo, group, frame, label, first_line: header.line as u64 + 1 })
+        let common = Common::of(header, embryo, &group);
+        Ok(GridColumns { embryo, group, common, frame, label, first_line: header.line as u64 + 1 })
     }
 }
 
 /// What summaries of other rows are called, without blanks and signs: means, deviations and errors, numbers, ends, and the rest.
-const SUMMARIES: [&[&str]; 7] = [
-    &["mean", "means", "meansd", "meansem", "average", "avg", "mittelwert", "median", "mode"],
-    &["sd", "std", "stdev", "stddev", "standarddeviation", "stddeviation", "stabw", "standardabweichung"],
-    &["se", "sem", "stderr", "standarderror", "stderrorofmean", "stderrormean"],
-    &["variance", "var", "samplevariance", "cv", "coefficientofvariation", "kurtosis", "skewness"],
-    &["n", "count", "numberofvalues", "nobs", "sum", "total"],
+/// Letters with accents are left out.
+const SUMMARIES: [&[&str]; 8] = [
+    &["means", "meansd", "meansem", "mode", "promedio", "media", "overall", "pooled", "all"],
+    &["sd", "std", "stdev", "stddev", "standarddeviation", "stddeviation", "stabw", "stdabw", "standardabweichung"],
+    &["carttype", "ecarttype", "desvest", "desviacinestndar", "deviazionestandard"],
+    &["se", "sem", "stderr", "stderror", "standarderror", "stderrorofmean", "stderrormean"],
+    &["variance", "var", "samplevariance", "cv", "coefficientofvariation", "kurtosis", "skewness", "anova"],
+    &["n", "count", "numberofvalues", "numberofembryos", "nobs", "sum", "summe", "somme", "suma"],
     &["min", "minimum", "max", "maximum", "range", "quartile", "iqr", "1stqu", "3rdqu", "1stquartile", "3rdquartile"],
-    &["lower95ciofmean", "upper95ciofmean", "lower95ci", "upper95ci", "95ci", "confidencelevel", "pvalue", "ttest"],
+    &[
+        "lower95ciofmean",
+        "upper95ciofmean",
+        "lower95ci",
+        "upper95ci",
+        "95ci",
+        "ci95",
+        "confidencelevel",
+        "pvalue",
+        "ttest",
+    ],
 ];
 
-/// Whether a text calls a row a summary of others, such as Mean, S.E.M., SD (n - 1) or 25 % percentile.
+/// Words that call a row a summary, whatever else is in its name: Mean WT, Control mean.
+const MEANS: [&str; 12] = [
+    "mean",
+    "average",
+    "avg",
+    "median",
+    "moyenne",
+    "mittelwert",
+    "mediane",
+    "geomean",
+    "total",
+    "subtotal",
+    "diane",
+    "mean1",
+];
+
+/// The same in writings without letters of the alphabet.
+const SIGNS: [&str; 4] = ["平均", "x̄", "σ", "Σ"];
+
+/// Whether a text calls a row a summary of others, such as Mean, Mean WT, S.E.M., SD (n - 1) or 25 % percentile.
 pub(crate) fn is_summary(text: &[u8]) -> bool {
+    if is_mean(text) {
+        return true;
+    }
     let (mut word, mut length) = ([0; 24], 0);
     for byte in text.iter().take_while(|byte| !b"([:".contains(byte)) {
         if length == word.len() {
@@ -238,6 +325,12 @@ pub(crate) fn is_summary(text: &[u8]) -> bool {
     let percent = word.trim_start_matches(|c: char| c.is_ascii_digit());
     let of_percent = percent.len() < word.len() && matches!(percent, "" | "percentile" | "quantile");
     SUMMARIES.iter().any(|names| names.contains(&word)) || of_percent && text.contains(&b'%')
+}
+
+/// Whether a text calls a row a mean. Groups may be called by other words of summaries, such as all.
+fn is_mean(text: &[u8]) -> bool {
+    let is_one = |word: &[u8]| MEANS.iter().any(|mean| word.eq_ignore_ascii_case(mean.as_bytes()));
+    text.split(|byte| !byte.is_ascii_alphanumeric()).any(is_one) || SIGNS.iter().any(|sign| text == sign.as_bytes())
 }
 
 /// How programs write missing values, beside an empty field.
@@ -278,6 +371,9 @@ pub(crate) struct DivisionColumns {
     pub(crate) daughters: [usize; 2],
     pub(crate) mother_volume: Option<usize>,
     pub(crate) population: GroupColumn,
+    pub(crate) common: Common,
+    /// χ, which must be the volumes'.
+    pub(crate) chi: Option<usize>,
     pub(crate) generation: Option<usize>,
     /// The columns of the mother's class.
     pub(crate) class: Vec<usize>,
@@ -319,12 +415,15 @@ impl DivisionColumns {
         if !stated.is_empty() && !units.map(|unit| unit.unwrap_or(VOLUMES[0])).all(|unit| unit == stated[0]) {
             return Err(header.refused("mother, larger and smaller have different units"));
         }
+        let population = header.find(&[POPULATION]).map_or_else(|| GroupColumn::of(header), GroupColumn::at);
         Ok(Some(DivisionColumns {
             embryo,
+            common: Common::of(header, Some(embryo), &population),
+            chi: header.find(&["chi", "chi_signed"]),
             mother,
             daughters: [larger, smaller],
             mother_volume: mother_volume.map(|(at, _)| at),
-            population: header.find(&[POPULATION]).map_or_else(|| GroupColumn::of(header), GroupColumn::at),
+            population,
             generation: header.find(&["generation"]),
             class,
             unit: stated.first().copied(),
@@ -337,11 +436,15 @@ impl DivisionColumns {
 pub(crate) struct ChiColumns {
     /// The cell that divides: in a table with a row for each cell, its own name and not its mother's.
     pub(crate) mother: usize,
-    pub(crate) chi: usize,
+    pub(crate) chi: Share,
+    pub(crate) is_signed: bool,
+    /// |χ|, in a table that has its sign too.
+    pub(crate) absolute: Option<Share>,
     pub(crate) embryo: Option<usize>,
     pub(crate) group: GroupColumn,
+    pub(crate) common: Common,
     /// The standard deviation of χ.
-    pub(crate) chi_sd: Option<usize>,
+    pub(crate) chi_sd: Option<Share>,
     /// The mother's volume.
     pub(crate) mother_volume: Option<(usize, VolumeUnit)>,
     /// The columns of the mother's class.
@@ -352,25 +455,47 @@ impl ChiColumns {
     /// The columns of a table of χ; `None` for other tables.
     pub(crate) fn of(header: &Header<'_>, class: Vec<usize>) -> Result<Option<Self>, InputError> {
         // Where a table has both, the signed χ is more informative.
-        let chi = header.find(&["chi_signed"]).or_else(|| header.find(&["chi"]));
-        let (Some(mother), Some(chi)) = (header.find(&["mother"]), chi) else { return Ok(None) };
+        let share = |what: &str, names: &[&str]| -> Result<Option<Share>, InputError> {
+            let found: Result<Vec<_>, InputError> = names.iter().map(|name| header.quantity(name, &SHARES)).collect();
+            let found = header.only(what, &found?.concat())?;
+            Ok(found.map(|(column, unit)| Share { column, size: unit.map_or(1.0, |unit| unit.size) }))
+        };
+        let [signed, absolute] = [share("signed χ", &["chi_signed", "χ_signed"])?, share("χ", &["chi", "χ"])?];
+        let (Some(mother), Some(chi)) = (header.find(&["mother"]), signed.or(absolute)) else { return Ok(None) };
         let mother = cell_column(header).unwrap_or(mother);
         let mut volumes = Vec::new();
         for name in ["mother", "mother_volume", "v_mother"] {
             let found = header.quantity(name, &VOLUMES)?;
             volumes.extend(found.into_iter().filter_map(|(column, unit)| Some((column, *unit?))));
         }
+        let (embryo, group) = (embryo_column(header), GroupColumn::of(header));
         Ok(Some(ChiColumns {
             mother,
             chi,
-            embryo: embryo_column(header),
-            group: GroupColumn::of(header),
-            chi_sd: header.find_only("standard deviation of χ", |name| CHI_SD.contains(&name))?,
+            is_signed: signed.is_some(),
+            absolute: absolute.filter(|_| signed.is_some()),
+            embryo,
+            common: Common::of(header, embryo, &group),
+            group,
+            chi_sd: share("standard deviation of χ", &CHI_SD)?,
             mother_volume: header.only("volume of the mother", &volumes)?,
             class,
         }))
     }
 }
+
+/// A column of shares, and how much 1 in it is.
+#[derive(Clone, Copy)]
+pub(crate) struct Share {
+    pub(crate) column: usize,
+    pub(crate) size: f64,
+}
+
+/// Units of shares.
+pub(crate) const SHARES: [NamedUnit<()>; 2] = [
+    NamedUnit { kind: (), size: 1.0, words: &["1", "fraction", "relative"] },
+    NamedUnit { kind: (), size: 0.01, words: &["%", "percent"] },
+];
 
 /// Names of the column with the standard deviation of χ.
 const CHI_SD: [&str; 4] = ["chi_sd", "sd_chi", "sd", "sigma"];

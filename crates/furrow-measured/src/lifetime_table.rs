@@ -1,9 +1,11 @@
 //! The columns and rows of tables of lifetimes.
 
-use furrow_input::InputError;
-use furrow_input::table::{Header, Row, TIMES, columns_listed};
+use std::collections::HashMap;
 
-use crate::layout::{GroupColumn, cell_column, embryo_column, is_absent};
+use furrow_input::table::{Header, Row, TIMES, columns_listed};
+use furrow_input::{InputError, rounded_number};
+
+use crate::layout::{GROUP, cell_column, embryo_column, is_absent};
 use crate::lifetimes::Lifetime;
 use crate::names::Names;
 use crate::volumes::{Rejected, Value, fitting};
@@ -25,9 +27,12 @@ pub(crate) struct Columns {
     pub(crate) n: Option<usize>,
     sd: Option<TimeColumn>,
     birth: Option<TimeColumn>,
+    division: Option<TimeColumn>,
     pub(crate) embryo: Option<usize>,
-    /// The column of groups.
-    group: GroupColumn,
+    /// The columns of groups.
+    groups: Vec<usize>,
+    /// Whether a recording ended before the cell divided.
+    censored: Option<usize>,
 }
 
 impl Columns {
@@ -52,7 +57,11 @@ impl Columns {
         };
         let cell = cell_column(header).ok_or_else(|| missing("cell"))?;
         let (lifetime, n, sd, birth) = (time("lifetime")?, header.find(&["n"]), time("sd")?, time("birth")?);
-        let division = if lifetime.is_none() && birth.is_some() { time("division")? } else { None };
+        let division = match lifetime {
+            None if birth.is_some() => time("division")?,
+            // Beside a lifetime a column of this name may be something else.
+            _ => header.quantity("division", &TIMES)?.into_iter().find_map(|(at, unit)| Some((at, unit?.size))),
+        };
         let life = match (lifetime, birth, division) {
             (Some(lifetime), ..) => Life::Lifetime(lifetime),
             (None, Some(birth), Some(division)) => Life::Times(birth, division, header.find(&["mother"])),
@@ -76,7 +85,9 @@ impl Columns {
         }
         // A row with n is a mean over embryos.
         let embryo = embryo_column(header).filter(|_| n.is_none());
-        Ok(Columns { cell, life, n, sd, birth, embryo, group: GroupColumn::of(header) })
+        let groups = GROUP.iter().filter_map(|name| header.find(&[name])).collect();
+        let censored = header.find(&["censored", "is_censored", "right_censored"]);
+        Ok(Columns { cell, life, n, sd, birth, division, embryo, groups, censored })
     }
 
     /// The columns of times.
@@ -88,27 +99,20 @@ impl Columns {
         of_life.into_iter().chain([self.sd, self.birth]).flatten().map(|(column, _)| column)
     }
 
-    /// Requires that all rows are of one group, since lifetimes are averaged. `of_table` keeps the group.
+    /// Requires that all rows are of one group, since lifetimes are averaged. `of_table` keeps the groups of the table.
     pub(crate) fn require_group(
         &self,
         row: Row<'_>,
-        of_table: &mut Option<String>,
+        of_table: &mut HashMap<usize, String>,
         file: &str,
     ) -> Result<(), InputError> {
-        let Some(value) =
-            self.group.column.map(|column| Value::new(row, column)).filter(|value| !is_absent(value.text))
-        else {
-            return Ok(());
-        };
-        let (group, before) = (value.written(), of_table.get_or_insert_with(|| value.written()));
-        let allowed = "the group of the rows before: each group needs a table of its own";
-        InputError::require(
-            group == *before,
-            file,
-            value.field(),
-            format!("{group:?}"),
-            format!("{before:?}, {allowed}"),
-        )
+        let groups = self.groups.iter().map(|column| (*column, Value::new(row, *column)));
+        for (column, value) in groups.filter(|(_, value)| !is_absent(value.text)) {
+            let (group, before) = (value.written(), of_table.entry(column).or_insert_with(|| value.written()));
+            let allowed = format!("{before:?}, the group of the rows before: each group needs a table of its own");
+            InputError::require(group == *before, file, value.field(), format!("{group:?}"), allowed)?;
+        }
+        Ok(())
     }
 
     /// The embryo of a row; `None` without such a column.
@@ -120,11 +124,19 @@ impl Columns {
 /// Limits of a time, in minutes: sums beyond them could overflow.
 const TIMES_OF_CELLS: [f64; 2] = [1e-9, 1e12];
 
+/// Times of one life may differ by rounding, relative to it.
+const ROUNDED: f64 = 0.05;
+
 /// Minutes in a column that are in the limits.
 fn minutes<'r>(row: Row<'r>, (column, unit): TimeColumn, least: f64, allowed: &str) -> Result<f64, Rejected<'r>> {
     let value = Value::new(row, column);
     let time = value.number().map_err(|(value, why)| (value, format!("{allowed} ({why})")))? * unit;
     if (least..=TIMES_OF_CELLS[1]).contains(&time) { Ok(time) } else { Err((value, allowed.to_owned())) }
+}
+
+/// Whether a value says no.
+fn is_no(value: &Value<'_>) -> bool {
+    [&b"no"[..], b"n", b"false", b"f"].iter().any(|no| value.text.eq_ignore_ascii_case(no))
 }
 
 /// The lifetime in a row of an embryo.
@@ -142,6 +154,11 @@ pub(crate) fn read_row<'r>(
         let given = column.filter(|(column, _)| !is_absent(row.text(*column)));
         given.map(|column| minutes(row, column, least, allowed)).transpose()
     };
+    let is_censored =
+        |value: &Value<'_>| !is_absent(value.text) && ![&b"0"[..], b"0.0"].contains(&value.text) && !is_no(value);
+    if let Some(value) = columns.censored.map(at).filter(is_censored) {
+        return Err((value, "censored: the cell was not seen to divide".to_owned()));
+    }
     let mean = match columns.life {
         Life::Lifetime(column) => minutes(row, column, TIMES_OF_CELLS[0], "must be a time above 0")?,
         Life::Times(birth, division, mother) => {
@@ -167,6 +184,13 @@ pub(crate) fn read_row<'r>(
     };
     let sd = optional(columns.sd, 0.0, "must be a time of 0 or more, or empty")?;
     let birth = optional(columns.birth, -TIMES_OF_CELLS[1], "must be a time, or empty")?;
+    let division = optional(columns.division, -TIMES_OF_CELLS[1], "must be a time, or empty")?;
+    if let (Some(birth), Some(division), Some((column, _))) = (birth, division, columns.division)
+        && (division - birth - mean).abs() > ROUNDED * mean.max(1.0)
+    {
+        let why = format!("not birth and lifetime together, {} min", rounded_number(birth + mean, 5));
+        return Err((at(column), why));
+    }
     let founder = names.founder(&cell).unwrap_or_default().to_owned();
     Ok(Lifetime { cell, founder, n, mean, sd, birth })
 }

@@ -308,7 +308,7 @@ impl Lifetimes {
         let (of_file, before) = (embryo_of_file(file), rows.embryos.len());
         // Lines of the first rows of cells, by embryo.
         let mut places: HashMap<(Option<usize>, String), u64> = HashMap::new();
-        let mut group = None;
+        let mut group = HashMap::new();
         while let Some(row) = table.next_row()? {
             columns.require_group(row, &mut group, file)?;
             let noted = columns.embryo_of(row).and_then(|embryo| {

@@ -79,7 +79,7 @@ pub fn understood(text: &str) -> Option<String> {
     if text.len() > 2 * LONGEST {
         return None;
     }
-    let name: String = text.chars().filter(|c| !c.is_whitespace() && *c != '.').collect();
+    let name: String = text.chars().filter(|c| !c.is_whitespace() && !['.', '-', '_'].contains(c)).collect();
     let in_capitals = || {
         let below = |stem: &&str| {
             let letters = name.strip_prefix(*stem)?.to_ascii_lowercase();
@@ -352,6 +352,8 @@ mod tests {
         for (text, name) in [
             ("AB al", "ABal"),
             ("AB.al", "ABal"),
+            ("AB-al", "ABal"),
+            ("AB_al", "ABal"),
             (" AB\u{a0}plpa ", "ABplpa"),
             ("A B.a.l", "ABal"),
             ("ABAL", "ABal"),

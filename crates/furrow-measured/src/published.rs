@@ -119,7 +119,7 @@ fn groups_of(table: &str, file: &str) -> Result<Vec<GroupSummary>, InputError> {
             n: row.n,
             mean: row.mean.unwrap_or(row.mean_signed.abs()),
             sd: row.sd.or(row.sd_signed),
-            mean_signed: row.mean_signed,
+            mean_signed: Some(row.mean_signed),
             sd_signed: row.sd_signed,
             mother_volume: row.mother_volume,
         };

@@ -19,7 +19,7 @@ use std::cell::Cell;
 use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
 
-use furrow_input::table::{Numbers, Row, Table, malformed, text, unit_of};
+use furrow_input::table::{Header, Numbers, Row, Table, malformed, text, unit_of};
 use furrow_input::{InputError, csv_value, open_file};
 use serde::Serialize;
 
@@ -27,7 +27,8 @@ use crate::division_table::{chi_division, division};
 use crate::events::Division;
 pub use crate::layout::Unit;
 use crate::layout::{
-    ChiColumns, Columns, DivisionColumns, POPULATION, SUMMARY, VOLUMES, VolumeUnit, embryo_of_file, is_summary,
+    ChiColumns, Columns, DivisionColumns, POPULATION, SUMMARY, VOLUMES, VolumeUnit, embryo_of_file, is_absent,
+    is_summary, volume_column,
 };
 use crate::matching::Matched;
 use crate::names::Names;
@@ -258,7 +259,7 @@ impl<'r> Value<'r> {
     /// The field is empty, or the row summarises others.
     pub(crate) fn named(self, what: &str) -> Result<String, Rejected<'r>> {
         match self.text {
-            b"" => Err((self, format!("no name of {what}"))),
+            name if is_absent(name) => Err((self, format!("no name of {what}"))),
             name if is_summary(name) => Err((self, SUMMARY.to_owned())),
             _ => Ok(self.written()),
         }
@@ -313,6 +314,11 @@ impl Volumes {
             options.kind_of(unit).unwrap_or(Unit::CubicMicrometres)
         } else if let Some(columns) = ChiColumns::of(&header, class.clone())? {
             self.read_divisions(&mut table, (file, &class), 1, |row| chi_division(row, &columns, (file, options)))?;
+            let new = &mut self.divisions[divisions..];
+            // A column of χ with negative values has signs.
+            let is_signed = new.iter().any(|division| division.chi_signed < 0.0);
+            new.iter_mut().for_each(|division| division.is_signed |= is_signed);
+            self.note_unused(&header, file)?;
             columns.mother_volume.into_iter().for_each(|(_, unit)| self.note_unit(Some(unit), options));
             Unit::OfMother
         } else if !class.is_empty() {
@@ -334,6 +340,15 @@ impl Volumes {
         self.join_divisions(divisions, if unit == Unit::OfMother { 1 } else { 2 });
         let unit = if unit == Unit::Voxels && !options.voxel.is_empty() { Unit::CubicMicrometres } else { unit };
         self.require_unit(unit, file)
+    }
+
+    /// Notes the column of volumes in a table of χ, which is not used.
+    fn note_unused(&mut self, header: &Header<'_>, file: &str) -> Result<(), InputError> {
+        if let Some((column, _)) = volume_column(header)? {
+            let value = Value::of_heading(header.line as u64, column, &header.names[column]);
+            self.skip(file, &(value, "not used: the table has χ; leave out one of the two".to_owned()));
+        }
+        Ok(())
     }
 
     /// Adds a file: a table, or cells that another program [followed over time](crate::tracked).

@@ -326,3 +326,25 @@ fn a_third_coordinate_and_numbers_of_points_are_no_outlines() {
     let numbered = read("id,x,y\n1,0,0\n2,2,0\n3,2,1\n4,0,1\n");
     assert_eq!((numbered.traced.len(), numbered.left_out.len()), (1, 0));
 }
+
+#[test]
+fn files_in_different_units_are_converted_or_refused() {
+    let square =
+        |unit: &str, side: f64| format!("x ({unit}),y ({unit})\n0,0\n{side},0\n{side},{side}\n0,{side}\n").into_bytes();
+    let mut found = Contours::default();
+    found.read_table(&square("µm", 4.0)[..], "a.csv").unwrap();
+    found.read_table(&square("mm", 0.004)[..], "b.csv").unwrap();
+    let areas: Vec<f64> = found.traced.iter().map(|traced| traced.contour.moments().area).collect();
+    assert!(areas.iter().all(|area| (area - 16.0).abs() < 1e-9), "{areas:?}");
+    let why = found.read_table(&square("px", 4.0)[..], "c.csv").unwrap_err().to_string();
+    assert_eq!(why, "c.csv: unit = px: must be um, the unit of the files before");
+    let why = found.read_mask(&grey([4, 4], &[0; 16])[..], "m.png", None).unwrap_err().to_string();
+    assert!(why.starts_with("m.png: unit = px"), "{why}");
+}
+
+#[test]
+fn a_side_that_does_not_reach_the_axis_is_not_taken_for_an_outline() {
+    let found = table(b"r,z\n0.3,0\n2,1\n2,3\n0.3,4\n");
+    assert!(found.traced.is_empty() && found.left_out[0].why.contains("no point is on the axis"), "{found:?}");
+    assert_eq!(table(b"r,z\n0,0\n2,1\n2,3\n0,4\n").traced.len(), 1);
+}

@@ -1,5 +1,6 @@
 //! Headings, groups, summaries and missing values as people and their programs write them.
 
+use furrow_measured::dose::Doses;
 use furrow_measured::events::{divisions, summaries};
 use furrow_measured::lifetimes::Lifetimes;
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
@@ -152,4 +153,146 @@ fn a_minimum_is_not_a_time_in_minutes() {
     assert_eq!(error, why);
     let clear = "cell,lifetime_mean,lifetime (min)\nABa,1074,16\n";
     assert_eq!(Lifetimes::read(clear.as_bytes(), "t.csv").unwrap().cells[0].mean, 16.0);
+}
+
+#[test]
+fn means_are_no_embryos_whatever_else_is_in_their_names() {
+    for summary in [
+        "Moyenne",
+        "Écart-type",
+        "Ecart type",
+        "Médiane",
+        "StdAbw",
+        "Summe",
+        "Promedio",
+        "Mean value",
+        "Mean of all",
+        "Average of 2",
+        "Control mean",
+        "WT average",
+        "Std Error",
+        "CI95",
+        "Geometric mean",
+        "Grand Total",
+        "Subtotal",
+        "Row mean",
+        "Pooled",
+        "Number of embryos",
+        "平均",
+        "σ",
+    ] {
+        let (groups, skipped) = found(&format!("embryo,AB,P1\ne1,14596,10120\ne2,14000,10000\n{summary},1,2\n"));
+        assert_eq!((groups, skipped), (vec![of_group("", 0.174, 2)], vec![summary.to_owned()]));
+    }
+    let (groups, skipped) = found("embryo,group,AB,P1\ne1,wt,14596,10120\n,mean,14000,10000\n");
+    assert_eq!((groups, skipped), (vec![of_group("wt", 0.181, 1)], vec!["mean".to_owned()]));
+    let (groups, _) = found("embryo,group,AB,P1\ne1,all,14596,10120\n");
+    assert_eq!(groups, [of_group("all", 0.181, 1)]);
+}
+
+#[test]
+fn rows_with_another_replicate_are_of_another_embryo() {
+    for columns in ["sample,replicate", "embryo,date", "embryo,movie"] {
+        let table = format!("{columns},frame,cell,volume_um3\n1,1,1,AB,14000\n1,1,1,P1,7000\n1,2,2,AB,12000\n");
+        let volumes = read(&table).unwrap();
+        let why = &volumes.skipped[0].why;
+        assert_eq!((volumes.used, volumes.skipped_count), (2, 1), "{columns}");
+        assert!(why.contains("each needs a name of its own"), "{why}");
+    }
+    let table = "strain,treatment,embryo,mother,chi\nN2,ctrl,1,P0,0.1\nN2,heat,1,P0,0.3\n";
+    assert_eq!(found(table), (vec![of_group("N2", 0.1, 1)], vec!["heat".to_owned()]));
+    let lifetimes = "strain,treatment,cell,lifetime_min\nN2,ctrl,AB,17\nN2,heat,AB,27\n";
+    let why = Lifetimes::read(lifetimes.as_bytes(), "t.csv").unwrap_err().to_string();
+    assert!(why.contains("treatment on line 3, column 2 = \"heat\""), "{why}");
+}
+
+#[test]
+fn a_second_heading_is_refused() {
+    for table in [
+        "frame,AB,P1\n1,14000,10000\n\nframe,ABa,ABp\n2,7000,6900\n",
+        "embryo,cell,volume_um3\n1,AB,5\nembryo,cell,radius\n",
+    ] {
+        let why = read(table).unwrap_err();
+        assert!(why.ends_with("another heading: each table needs a file of its own"), "{why}");
+    }
+    let table = "cell,lifetime_min\nAB,17\n\ncell,lifetime_s\nAB,1100\n";
+    let why = Lifetimes::read(table.as_bytes(), "t.csv").unwrap_err().to_string();
+    assert!(why.starts_with("t.csv:4:1: another heading"), "{why}");
+}
+
+#[test]
+fn missing_ids_are_no_names() {
+    let volumes = read("embryo,cell,volume_um3\nNaN,AB,14000\nnan,P1,7000\ne,AB,14596\ne,P1,10120\n").unwrap();
+    assert_eq!((volumes.embryos.len(), volumes.skipped_count), (1, 2));
+    let volumes = read("embryo,mother,chi\ne,NA,0.1\ne,P0,0.2\n").unwrap();
+    assert_eq!((volumes.divisions.len(), &*volumes.skipped[0].why), (1, "no name of a mother"));
+}
+
+#[test]
+fn columns_that_contradict_each_other_are_reported() {
+    let chi = |table: &str| {
+        let volumes = read(table).unwrap();
+        let why = volumes.skipped.first().map_or(String::new(), |skipped| skipped.why.clone());
+        (volumes.divisions.iter().map(|division| division.chi_signed).collect::<Vec<_>>(), why)
+    };
+    let (found, why) = chi("embryo,mother,chi,chi_signed\n1,P0,0.18,-0.18\n2,P0,0.17,0.2\n");
+    assert_eq!((&found[..], &*why), (&[-0.18][..], "this χ is not the signed one without its sign, 0.2"));
+    let (found, why) = chi("embryo,mother,chi,larger_um3,smaller_um3\n1,P0,0.5,14000,10000\n2,P0,0.167,14000,10000\n");
+    assert_eq!((found.len(), &*why), (1, "this χ is not that of the volumes, 0.167"));
+    let (_, why) = chi("embryo,cell,mother,volume_um3,chi\n1,AB,P0,14000,0.01\n");
+    assert!(why.starts_with("not used: the table has χ"), "{why}");
+    let lives = Lifetimes::read(
+        &b"cell,lifetime_min,birth_h,division_h,censored\nP1,19.8,0,0.9,0\nAB,17,0,0.283,no\nEMS,9,0,,1\n"[..],
+        "t.csv",
+    )
+    .unwrap();
+    let why: Vec<&str> = lives.skipped.iter().map(|skipped| &*skipped.why).collect();
+    let expected = ["not birth and lifetime together, 19.8 min", "censored: the cell was not seen to divide"];
+    assert_eq!((lives.cells.len(), &why[..]), (1, &expected[..]));
+}
+
+#[test]
+fn chi_has_a_sign_only_where_the_table_has() {
+    let signed = |table: &str| {
+        let events = &summaries(&divisions(&read(table).unwrap()).divisions)[0].events;
+        events[0].mean_signed.map(|signed| (1e3 * signed).round() / 1e3)
+    };
+    assert_eq!(signed("embryo,mother,chi\n1,EMS,0.05\n2,EMS,0.07\n"), None);
+    assert_eq!(signed("embryo,mother,larger_um3,smaller_um3\n1,EMS,60,40\n"), None);
+    assert_eq!(signed("embryo,mother,chi_signed\n1,EMS,0.05\n2,EMS,0.07\n"), Some(0.06));
+    assert_eq!(signed("embryo,mother,chi (%)\n1,EMS,−5\n2,EMS,7\n"), Some(0.01));
+}
+
+#[test]
+fn headings_of_other_programs_have_units() {
+    for (heading, volume) in [
+        ("Volume..um3.", 5.0),
+        ("vol_um3", 5.0),
+        ("Cell volume (um^3)", 5.0),
+        ("Volume (nL)", 5e6),
+        ("Volume (10^3 µm^3)", 5e3),
+    ] {
+        let volumes = read(&format!("embryo,cell,{heading}\ne,AB,5\n")).unwrap();
+        assert_eq!(volumes.embryos[0].cells[0].volume(), volume, "{heading}");
+        assert_eq!(volumes.unit, Some(Unit::CubicMicrometres), "{heading}");
+    }
+    for heading in ["volume_pixels", "Volume (px)", "Volume (vx)"] {
+        assert_eq!(read(&format!("embryo,cell,{heading}\ne,AB,5\n")).unwrap().unit, Some(Unit::Voxels), "{heading}");
+    }
+    let dates = read(",AB,P1\n2024-03-01,14000,7000\n2024-03-02,12000,11000\n").unwrap();
+    assert_eq!((dates.used, dates.skipped_count), (0, 2));
+    assert!(dates.skipped[0].why.starts_with("may be an embryo or a frame"), "{}", dates.skipped[0].why);
+}
+
+#[test]
+fn doses_are_neither_logarithms_nor_summaries() {
+    let doses = |table: &str| Doses::read(table.as_bytes(), "t.csv");
+    for heading in ["log2_dose", "log_dose", "log10 dose", "ln_dosage"] {
+        let why = doses(&format!("{heading},larger_share\n0,0.59\n1,0.62\n")).unwrap_err().to_string();
+        assert!(why.contains("must have doses and not their logarithms"), "{why}");
+    }
+    let found = doses("condition,dose,larger_share\nwt,1,0.59\nmean,0.53,0.557\nSD,0.4,0.03\nn,3,0.9\n").unwrap();
+    assert_eq!((found.divisions.len(), found.skipped_count), (1, 3));
+    let found = doses("strain,Dose / %,larger_share\nwt,100,0.59\nmut,50,0.41\n").unwrap();
+    assert_eq!((found.divisions[0].dose, &*found.divisions[0].condition, found.skipped_count), (1.0, "wt", 1));
 }

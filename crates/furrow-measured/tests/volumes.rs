@@ -221,7 +221,7 @@ fn units_in_headings_and_columns_are_read_in_any_writing() {
     let divided = read(b"embryo,mother,Mother (um3),Larger (\xb5m\xb3),Smaller (\xb5m\xb3)\ne,P0,100,60,40\n");
     assert_eq!((divided.divisions[0].mother_measured, divided.unit), (Some(100.0), Some(Unit::CubicMicrometres)));
     let said = refused(b"embryo,cell,Volume (pints)\ne,AB,1\n");
-    assert!(said.contains("\"Volume (pints)\", must be one of um3, pl, mm3, nm3, voxels, relative, %"), "{said}");
+    assert!(said.contains("\"Volume (pints)\", must be one of um3, pl, nl, mm3, nm3, voxels, relative, %"), "{said}");
     // Names in the same encoding stay apart.
     let groups = read(b"embryo,cell,volume,group\ne,AB,60,\xe4\ne,AB,60,\xf6\n");
     assert_eq!(groups.embryos.iter().map(|embryo| &*embryo.group).collect::<Vec<_>>(), ["ä", "ö"]);
@@ -565,7 +565,7 @@ fn shares_are_read_as_areas_and_as_volumes() {
     assert_eq!(
         doses.skipped.iter().map(|skipped| skipped.described()).collect::<Vec<_>>(),
         [
-            "line 6, column 2 (larger_share): \"1.2\": must be above 0 and below 1",
+            "line 6, column 2 (larger_share): \"1.2\": must be from 0.5, the larger daughter's, and below 1",
             "line 7, column 1 (par6_dosage): \"-1\": must be from 0 to 1e6; 1 is the wild type",
         ]
     );

@@ -81,6 +81,9 @@ pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
     names.require_met()?;
     let tree = model.tree(context)?;
     let found = compare_lifetimes(&tree, &lifetimes, &mean_volumes(&volumes));
+    let is_used = found.cells.iter().any(|cell| cell.volume.is_some());
+    let allowed = "tables with the volume of a cell that has a lifetime";
+    InputError::require(is_used || args.volumes.is_empty(), "--volumes", "cells", "(none)", allowed)?;
     picture.write(|| plot::lifetimes::draw(&found, volumes.unit))?;
     let published = [args.tables.is_empty(), args.volumes.is_empty() && of_worm];
     print_as(context.json, &document(&found, &lifetimes, &volumes, published), || {

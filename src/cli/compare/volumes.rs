@@ -309,8 +309,9 @@ fn group_text(group: &GroupComparison) -> String {
         let model = if is_modelled { format!(" {:>16}", of(model)) } else { String::new() };
         let first = if with_firsts { format!(" {:>22}", of(given_first)) } else { String::new() };
         let band = band.map_or(String::new(), band_text);
-        let (mother, n, signed) = (&measured.mother, measured.n, measured.mean_signed);
-        let _ = writeln!(out, "{mother:<wide$}{n:>4} {chi:>16} {signed:>+8.3}{model}{first}{band}");
+        let (mother, n) = (&measured.mother, measured.n);
+        let signed = measured.mean_signed.map_or("-".to_owned(), |signed| format!("{signed:+.3}"));
+        let _ = writeln!(out, "{mother:<wide$}{n:>4} {chi:>16} {signed:>8}{model}{first}{band}");
     }
     if !is_modelled && !with_firsts {
         out += "the model's tree has none of these mothers\n";

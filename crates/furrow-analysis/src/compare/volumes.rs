@@ -121,10 +121,12 @@ pub fn modelled(tree: &Tree) -> Cells {
 /// measured, or the lineage has no such founders.
 pub fn with_first_division_of(lineage: &Lineage, group: &GroupSummary, r0: f64) -> Option<Lineage> {
     let p0 = group.events.iter().find(|event| event.mother == "P0")?;
+    // Without a sign AB is the larger.
+    let chi = p0.mean_signed.unwrap_or(p0.mean);
     let mut lineage = lineage.clone();
     for (name, way) in [("AB", 1.0), ("P1", -1.0)] {
         let founder = lineage.founders.iter_mut().find(|founder| founder.name == name)?;
-        founder.r0 = Some(Length::Natural(r0 * (0.5 * (1.0 + way * p0.mean_signed)).cbrt()));
+        founder.r0 = Some(Length::Natural(r0 * (0.5 * (1.0 + way * chi)).cbrt()));
     }
     Some(lineage)
 }

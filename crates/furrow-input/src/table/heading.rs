@@ -55,19 +55,25 @@ pub fn unit_word(text: &str) -> String {
         .to_lowercase()
 }
 
-/// The name in a heading, and the unit behind it in brackets, after a comma or a stroke: Volume (µm³), Volume / µm³.
+/// The name in a heading, and the unit behind it in brackets, after a comma or a stroke, or a sign for per cent: Volume (µm³), Volume / µm³.
 ///
 /// ```
 /// use furrow_input::table::split_unit;
 ///
 /// assert_eq!(split_unit("Lifetime [min]"), ("Lifetime", Some("min")));
 /// assert_eq!(split_unit("lifetime_min"), ("lifetime_min", None));
+/// // R writes points in place of blanks and brackets.
+/// assert_eq!(split_unit("Volume..um3."), ("Volume", Some("um3")));
+/// assert_eq!(split_unit("dose %"), ("dose", Some("%")));
 /// ```
 pub fn split_unit(heading: &str) -> (&str, Option<&str>) {
     let heading = heading.trim();
     let in_brackets =
         [('(', ')'), ('[', ']')].into_iter().find_map(|(open, close)| heading.strip_suffix(close)?.rsplit_once(open));
-    let found = in_brackets.or_else(|| heading.rsplit_once(" / ")).or_else(|| heading.rsplit_once(", "));
+    let of_r = || heading.strip_suffix('.').and_then(|heading| heading.split_once(".."));
+    let percent = || heading.strip_suffix(" %").map(|name| (name, "%"));
+    let strokes = || heading.rsplit_once(" / ").or_else(|| heading.rsplit_once(", "));
+    let found = in_brackets.or_else(strokes).or_else(percent).or_else(of_r);
     found.map_or((heading, None), |(name, unit)| (name.trim(), Some(unit.trim())))
 }
 

@@ -50,6 +50,8 @@ struct Heading {
     index: usize,
     /// Columns up to the last one with a name.
     named: usize,
+    /// Columns are found by their names, which must be those of all rows.
+    is_only: bool,
 }
 
 /// A row that is neither a comment nor empty.
@@ -101,10 +103,19 @@ impl<'t> Row<'t> {
         self.len() >= 2 && self.len() == self.heading.names.len()
     }
 
+    /// Whether it names columns as a heading does, and other ones than the table's: a field repeats its column's name, and none is a number.
+    fn is_other_heading(&self) -> bool {
+        let names = &self.heading.names;
+        let is_name = |(field, name): (&[u8], &String)| text(field.trim_ascii()).eq_ignore_ascii_case(name);
+        let filled = || self.record.iter().zip(names).filter(|(field, _)| !field.trim_ascii().is_empty());
+        let same = filled().filter(|pair| is_name(*pair)).count();
+        (1..filled().count()).contains(&same) && !self.record.iter().any(is_number)
+    }
+
     /// The column for which a row cannot be used, and why: the first with a value but without a name, since fields may have been cut at a
     /// decimal comma; or the first of all if the row may be a comment or data.
     pub fn surplus(&self) -> Option<(usize, String)> {
-        let Heading { names, index, named } = self.heading;
+        let Heading { names, index, named, .. } = self.heading;
         if is_comment(self.record) {
             let why = "begins with # and has as many fields as the heading: a comment, or data if # is left out";
             return Some((0, format!("line {} {why}", self.line)));
@@ -143,8 +154,9 @@ impl<'f, R: Read> Table<'f, R> {
         if is_utf16(&head) {
             return Err(malformed(file, 1, UTF16));
         }
-        if head.contains(&0) {
-            return Err(malformed(file, 1, "this is no text: it has a byte 0"));
+        if let Some(at) = head.iter().position(|byte| *byte == 0) {
+            let line = 1 + head[..at].iter().filter(|byte| **byte == b'\n').count();
+            return Err(malformed(file, line, "this is no text: it has a byte 0"));
         }
         // A line end is not cut.
         if head.ends_with(b"\r") {
@@ -204,6 +216,7 @@ impl<'f, R: Read> Table<'f, R> {
     /// As [`header`](Self::header), and two columns with names that are alike.
     pub fn columns(&mut self, is_header: impl Fn(&[String]) -> bool) -> Result<Header<'f>, InputError> {
         let (line, names) = self.header(is_header)?;
+        self.heading.is_only = true;
         Header::new(self.file, line, names)
     }
 
@@ -211,7 +224,7 @@ impl<'f, R: Read> Table<'f, R> {
     pub fn name_columns(&mut self, names: Vec<String>) {
         let index = names.iter().take_while(|name| name.is_empty()).count();
         let named = names.iter().rposition(|name| !name.is_empty()).map_or(0, |last| last + 1);
-        self.heading = Heading { names, index, named };
+        self.heading = Heading { names, index, named, is_only: false };
     }
 
     /// The next row that is neither empty nor a comment; `None` at the end. A row that begins with `#` but has as many fields as the
@@ -222,6 +235,10 @@ impl<'f, R: Read> Table<'f, R> {
     pub fn next_row(&mut self) -> Result<Option<Row<'_>>, InputError> {
         while self.advance()? {
             let is_comment = is_comment(&self.record) && !self.row().is_full();
+            if self.heading.is_only && self.row().is_other_heading() {
+                let why = "another heading: each table needs a file of its own";
+                return Err(malformed(self.file, self.line as usize, why));
+            }
             if !is_comment && !is_empty(&self.record) {
                 return Ok(Some(self.row()));
             }

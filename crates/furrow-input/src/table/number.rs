@@ -118,7 +118,9 @@ impl Numbers {
     /// The text is not a number, or can be read in two ways; the error gives the reason.
     pub fn read(self, text: &[u8]) -> Result<f64, String> {
         let text = super::text(text);
-        let text = text.trim();
+        // Word processors write a minus sign of their own.
+        let text = text.trim().replacen('\u{2212}', "-", 1);
+        let text = text.as_str();
         let found = finite(text);
         if found.is_ok() && (self.commas_separate || !text.contains('.')) {
             return found;

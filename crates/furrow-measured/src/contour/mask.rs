@@ -68,6 +68,7 @@ impl Contours {
     /// A file that is not such a picture, or a picture of several labels without `label`.
     pub fn read_mask(&mut self, from: impl Read, file: &str, label: Option<u16>) -> Result<(), InputError> {
         let bytes = bytes_of(from, file)?;
+        self.scale("px", file)?;
         let mut picture = decode(&bytes, file, Transformations::IDENTITY)?;
         let inside = match (label, picture.labels().filter(|_| picture.is_of_numbers)) {
             (Some(_), _) if !picture.is_of_numbers => {

@@ -12,6 +12,7 @@ use furrow_input::{InputError, shown};
 use serde::Serialize;
 
 use super::Contour;
+use crate::tracked::lengths::length_unit;
 
 /// A contour as it was measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +49,8 @@ pub struct Contours {
     pub traced: Vec<Traced>,
     /// Contours that cannot be used.
     pub left_out: Vec<LeftOut>,
+    /// The unit of lengths of the first file that has one.
+    unit: Option<String>,
 }
 
 /// The points of a contour, and the first error in one, with its line.
@@ -73,8 +76,9 @@ impl Contours {
         let numbers = [0, 1].map(|column| table.numbers(column));
         let first = || numbers.iter().zip(&header).map(|(numbers, text)| numbers.read(text.as_bytes()));
         let is_bare = header.len() == 2 && first().all(|number| number.is_ok());
-        let Places { columns, contour, third, from_axis } =
+        let Places { columns, contour, third, from_axis, unit } =
             if is_bare { Places { columns: [0, 1], ..Places::default() } } else { Places::of(&header, (file, line))? };
+        let scale = unit.map_or(Ok(1.0), |unit| self.scale(&unit, file))?;
         table.share(columns);
         let mut rings = Rings::default();
         if is_bare {
@@ -84,6 +88,7 @@ impl Contours {
         while let Some(row) = table.next_row()? {
             let name = contour.map_or(String::new(), |at| text(row.text(at)).into_owned());
             let (point, wrong) = point(row, columns);
+            let point = point.map(|x| scale * x);
             let ring = rings.add(name, row.line, point, wrong);
             let depth = third.map(|at| (row.text(at), ring.depth.get_or_insert_with(|| row.text(at).to_vec())));
             if let Some((own, first)) = depth.filter(|(own, first)| own != first) {
@@ -105,7 +110,8 @@ impl Contours {
                 points = both;
                 notes.push("is one side of a section, from the axis to the axis: the other side was added".to_owned());
             }
-            match wrong {
+            let off_axis = || (first_line, OFF_AXIS.to_owned());
+            match wrong.or_else(|| (from_axis && points.iter().all(|point| point[0] > 0.0)).then(off_axis)) {
                 Some((line, why)) => {
                     self.left_out.push(LeftOut { file: file.to_owned(), contour: name, line: Some(line), why });
                 }
@@ -113,6 +119,19 @@ impl Contours {
             }
         }
         Ok(())
+    }
+
+    /// The factor from a file's unit of lengths to the first file's.
+    ///
+    /// # Errors
+    /// Units that cannot be converted.
+    pub(super) fn scale(&mut self, unit: &str, file: &str) -> Result<f64, InputError> {
+        let first = self.unit.get_or_insert_with(|| unit.to_owned());
+        match [unit, first].map(length_unit) {
+            _ if unit == first => Ok(1.0),
+            [Some(own), Some(first)] if own.kind == first.kind => Ok(own.size / first.size),
+            _ => Err(InputError::not_allowed(file, "unit", unit, format!("{first}, the unit of the files before"))),
+        }
     }
 
     /// Adds the contour through these points, if it is one.
@@ -186,6 +205,10 @@ fn point(row: Row<'_>, columns: [usize; 2]) -> ([f64; 2], Option<String>) {
     (point, wrong)
 }
 
+/// Why an outline in r and z cannot be used if no point of it is on the axis.
+const OFF_AXIS: &str = "r is the distance from the axis, but no point is on the axis or beyond it: one side of a section runs from the axis \
+                        to the axis, and columns of other outlines are called x and y";
+
 /// Distance from the axis, as a share of the largest, up to which a point is on the axis.
 const ON_AXIS: f64 = 0.02;
 
@@ -219,6 +242,8 @@ struct Places {
     third: Option<usize>,
     /// Whether the first column is the distance from the axis.
     from_axis: bool,
+    /// The unit in the headings.
+    unit: Option<String>,
 }
 
 /// The coordinate of a column, `x`, `y`, `r` or `z`, and its unit, as in `x`, `x (µm)` or `x_px`. A number, as in `x2`, numbers outlines.
@@ -269,7 +294,8 @@ impl Places {
             return refused(format!("both coordinates must have one unit; {first}, {second}"));
         }
         let from_axis = is_of(&across, 'r') && is_of(&along, 'z');
-        Ok(Places { columns: [across, along], contour, third, from_axis })
+        let unit = coordinates[across].as_ref().and_then(|(_, unit)| unit.clone());
+        Ok(Places { columns: [across, along], contour, third, from_axis, unit })
     }
 }
 

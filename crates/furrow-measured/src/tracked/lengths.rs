@@ -7,7 +7,7 @@ use super::TrackOptions;
 use crate::volumes::Unit;
 
 /// A unit of lengths with the unit of volumes that follows: micrometres in it, or pixels.
-pub(super) type LengthUnit = NamedUnit<Unit>;
+pub(crate) type LengthUnit = NamedUnit<Unit>;
 
 const fn length(size: f64, words: &'static [&'static str]) -> LengthUnit {
     NamedUnit { kind: Unit::CubicMicrometres, size, words }
@@ -30,7 +30,7 @@ pub(super) const LENGTHS: [LengthUnit; 8] = [
 ];
 
 /// A unit of lengths by a text, which may be in brackets.
-pub(super) fn length_unit(text: &str) -> Option<LengthUnit> {
+pub(crate) fn length_unit(text: &str) -> Option<LengthUnit> {
     unit_of(text.trim().trim_matches(['(', ')', '[', ']']), &LENGTHS).copied()
 }
 

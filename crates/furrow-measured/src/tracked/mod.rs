@@ -32,7 +32,7 @@ mod container;
 mod ctc;
 mod files;
 mod geff;
-mod lengths;
+pub(crate) mod lengths;
 mod lifetimes;
 mod namesakes;
 mod rounds;
