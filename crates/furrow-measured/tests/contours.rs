@@ -345,6 +345,6 @@ fn files_in_different_units_are_converted_or_refused() {
 #[test]
 fn a_side_that_does_not_reach_the_axis_is_not_taken_for_an_outline() {
     let found = table(b"r,z\n0.3,0\n2,1\n2,3\n0.3,4\n");
-    assert!(found.traced.is_empty() && found.left_out[0].why.contains("no point is on the axis"), "{found:?}");
+    assert!(found.traced.is_empty() && found.left_out[0].why.contains("does not reach the axis"), "{found:?}");
     assert_eq!(table(b"r,z\n0,0\n2,1\n2,3\n0,4\n").traced.len(), 1);
 }

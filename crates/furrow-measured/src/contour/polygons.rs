@@ -111,7 +111,7 @@ impl Contours {
                 notes.push("is one side of a section, from the axis to the axis: the other side was added".to_owned());
             }
             let off_axis = || (first_line, OFF_AXIS.to_owned());
-            match wrong.or_else(|| (from_axis && points.iter().all(|point| point[0] > 0.0)).then(off_axis)) {
+            match wrong.or_else(|| (from_axis && is_open_side(&points)).then(off_axis)) {
                 Some((line, why)) => {
                     self.left_out.push(LeftOut { file: file.to_owned(), contour: name, line: Some(line), why });
                 }
@@ -206,8 +206,18 @@ fn point(row: Row<'_>, columns: [usize; 2]) -> ([f64; 2], Option<String>) {
 }
 
 /// Why an outline in r and z cannot be used if no point of it is on the axis.
-const OFF_AXIS: &str = "r is the distance from the axis, but no point is on the axis or beyond it: one side of a section runs from the axis \
-                        to the axis, and columns of other outlines are called x and y";
+const OFF_AXIS: &str =
+    "this is one side of a section that does not reach the axis: its first and last point need r = 0";
+
+/// Whether points with r and z are one side of a section that does not reach the axis: between two neighbours alone there is more than half
+/// of the section's length.
+fn is_open_side(points: &[[f64; 2]]) -> bool {
+    let along = points.iter().map(|point| point[1]);
+    let length = along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min);
+    let before = |k: usize| points[(k + points.len() - 1) % points.len()];
+    let long = (0..points.len()).filter(|k| 2.0 * (points[*k][1] - before(*k)[1]).abs() > length);
+    points.iter().all(|point| point[0] > 0.0) && long.count() == 1
+}
 
 /// Distance from the axis, as a share of the largest, up to which a point is on the axis.
 const ON_AXIS: f64 = 0.02;
