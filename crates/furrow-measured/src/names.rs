@@ -257,7 +257,7 @@ impl Names {
             Some([first, second].map(|letter| format!("{name}{letter}")))
         };
         let sulston = || is_cell(name).then(|| [SIDES[0].0, SIDES[0].1].map(|letter| format!("{name}{letter}")));
-        match self.of_worm || self.founders.is_empty() {
+        match self.are_of_worm() {
             true => of_chart().or_else(own).or_else(sulston),
             false => own().or_else(of_chart).or_else(sulston),
         }
