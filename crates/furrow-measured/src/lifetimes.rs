@@ -262,11 +262,10 @@ impl Lifetimes {
         let is_used = options.frame_minutes.is_empty() || !counting.is_empty();
         InputError::require(is_used, "--frame-minutes", "frame_minutes", "(given)", allowed)?;
         options.frame_minutes.require_known(&counting, "--frame-minutes")?;
-        if rows.has_means && files.len() > 1 {
-            let file = files.first().map_or(String::new(), |file| file.path.display().to_string());
-            let allowed = "in a table that is read by itself: its rows are means over embryos";
-            return Err(InputError::not_allowed(file, "n", "a column of one of the tables", allowed));
-        }
+        let file = files.first().map_or(String::new(), |file| file.path.display().to_string());
+        let allowed = "in a table that is read by itself: its rows are means over embryos";
+        let is_alone = !rows.has_means || files.len() < 2;
+        InputError::require(is_alone, file, "n", "a column of one of the tables", allowed)?;
         let names: Vec<String> = files.iter().map(|file| file.path.display().to_string()).collect();
         let names = listed(names.iter().map(String::as_str), ", ");
         if found.used == 0 && cells > 0 {

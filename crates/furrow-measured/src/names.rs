@@ -257,7 +257,7 @@ impl Names {
             Some([first, second].map(|letter| format!("{name}{letter}")))
         };
         let sulston = || is_cell(name).then(|| [SIDES[0].0, SIDES[0].1].map(|letter| format!("{name}{letter}")));
-        match self.of_worm || self.founders.is_empty() {
+        match self.are_of_worm() {
             true => of_chart().or_else(own).or_else(sulston),
             false => own().or_else(of_chart).or_else(sulston),
         }
@@ -283,7 +283,7 @@ impl Names {
 
     /// Whether a cell of the lineage has this name.
     pub(crate) fn has(&self, name: &str) -> bool {
-        self.place(name).is_some() || (self.of_worm || self.founders.is_empty()) && is_cell(name)
+        self.place(name).is_some() || self.are_of_worm() && is_cell(name)
     }
 
     /// The name of a cell of the lineage as the lineage writes it, or which names are allowed.
@@ -315,7 +315,7 @@ impl Names {
 
     /// Why another name is not used.
     pub fn unknown(&self) -> &'static str {
-        match (self.matching(), self.founders.is_empty() || self.of_worm) {
+        match (self.matching(), self.are_of_worm()) {
             (Some(_), _) => "no name of the lineage's cells, and none was matched to it",
             (None, true) => {
                 "no name of Sulston's; other names need the file of their lineage (--lineage), or to be matched (--names, --root)"

@@ -416,10 +416,8 @@ impl Volumes {
             let allowed = "left out: no volume of the tables is without a unit, or in this one";
             return Err(InputError::not_allowed("--unit", "unit", unit.symbol(), allowed));
         }
-        if !self.voxels.is_empty() && !self.in_voxels {
-            let allowed = "left out: no volume is in voxels, and no diameter in pixels";
-            return Err(InputError::not_allowed("--voxel", "voxel", "(given)", allowed));
-        }
+        let allowed = "left out: no volume is in voxels, and no diameter in pixels";
+        InputError::require(self.voxels.is_empty() || self.in_voxels, "--voxel", "voxel", "(given)", allowed)?;
         let of_cells = self.embryos.iter().map(|embryo| embryo.source.name.as_str());
         let of_divisions = self.division_sources.iter().map(|source| source.name.as_str());
         let mut names: Vec<&str> = of_cells.chain(of_divisions).collect();

@@ -225,10 +225,8 @@ impl Hypothesis {
         let mut all: Vec<Hypothesis> = Vec::new();
         Free::check_law(free.unwrap_or_default(), cell, sources[1])?;
         for Named { name, cue, free: own } in asked {
-            if all.iter().any(|other| other.name == *name) {
-                let allowed = "names that differ: write NAME=CUE";
-                return Err(InputError::not_allowed(sources[0], "cue", format!("{name:?}"), allowed));
-            }
+            let (is_new, allowed) = (all.iter().all(|other| other.name != *name), "names that differ: write NAME=CUE");
+            InputError::require(is_new, sources[0], "cue", format!("{name:?}"), allowed)?;
             let template = lineage.parse_cue(cue).map_err(refused)?;
             let carrying = lineage.carrying(cue, cell).map_err(refused)?;
             let own = own.as_ref().map(|texts| Free::list(texts, lineage, sources[0])).transpose()?;

@@ -26,10 +26,9 @@ impl TrackedLineage {
     /// # Errors
     /// Times are in frames of unknown length.
     pub fn lifetimes(&self, names: &Names) -> Result<TrackedLifetimes, InputError> {
-        if self.time == TimeUnit::Frames {
-            let allowed = format!("given: the minutes from one frame to the next, since {} counts frames", self.name);
-            return Err(InputError::not_allowed("--frame-minutes", "frame_minutes", "(not given)", allowed));
-        }
+        let is_timed = self.time == TimeUnit::Minutes;
+        let allowed = format!("given: the minutes from one frame to the next, since {} counts frames", self.name);
+        InputError::require(is_timed, "--frame-minutes", "frame_minutes", "(not given)", allowed)?;
         let mut found =
             TrackedLifetimes { cells: Vec::new(), skipped: self.skipped.clone(), skipped_count: self.skipped_count };
         let mut seen = HashSet::new();
