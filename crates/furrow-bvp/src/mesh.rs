@@ -304,7 +304,7 @@ fn graded(mesh: &[f64]) -> Vec<f64> {
 }
 
 /// The mesh with every interval cut into as many equal parts as `parts` says.
-fn cut(mesh: &[f64], parts: impl Fn(usize) -> usize) -> Vec<f64> {
+pub(crate) fn cut(mesh: &[f64], parts: impl Fn(usize) -> usize) -> Vec<f64> {
     let mut grid = mesh[..1].to_vec();
     for (i, pair) in mesh.windows(2).enumerate() {
         grid.extend(&subdivided(pair, parts(i))[1..]);

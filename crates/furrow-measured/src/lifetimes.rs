@@ -373,7 +373,7 @@ fn averaged(rows: &[Lifetime]) -> Option<Lifetime> {
 
 /// Mean volume of every cell over the embryos that have it.
 pub fn mean_volumes(volumes: &Volumes) -> BTreeMap<String, f64> {
-    let cells = volumes.embryos.iter().flat_map(|embryo| &embryo.cells);
+    let cells = volumes.embryos.iter().flat_map(|embryo| &embryo.cells).filter(|cell| cell.frames > 0);
     let by_name = grouped(cells.map(|cell| (cell.cell.as_str(), cell.volume())));
     by_name.into_iter().map(|(cell, volumes)| (cell.to_owned(), mean(&volumes))).collect()
 }

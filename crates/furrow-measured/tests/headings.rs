@@ -2,7 +2,7 @@
 
 use furrow_measured::dose::Doses;
 use furrow_measured::events::{divisions, summaries};
-use furrow_measured::lifetimes::Lifetimes;
+use furrow_measured::lifetimes::{Lifetimes, mean_volumes};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 
 fn read(table: &str) -> Result<Volumes, String> {
@@ -295,4 +295,15 @@ fn doses_are_neither_logarithms_nor_summaries() {
     assert_eq!((found.divisions.len(), found.skipped_count), (1, 3));
     let found = doses("strain,Dose / %,larger_share\nwt,100,0.59\nmut,50,0.41\n").unwrap();
     assert_eq!((found.divisions[0].dose, &*found.divisions[0].condition, found.skipped_count), (1.0, "wt", 1));
+}
+
+#[test]
+fn a_cell_without_a_volume_in_one_embryo_has_the_mean_of_the_others() {
+    for table in [
+        "embryo,AB,P1\na,600,400\nb,,300\n",
+        "embryo,cell,volume,frame\na,AB,600,1\na,P1,400,1\nb,AB,600,one\nb,P1,300,1\n",
+    ] {
+        let means = mean_volumes(&read(table).unwrap());
+        assert_eq!(means.into_iter().collect::<Vec<_>>(), [("AB".to_owned(), 600.0), ("P1".to_owned(), 350.0)]);
+    }
 }

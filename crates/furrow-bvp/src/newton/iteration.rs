@@ -151,6 +151,8 @@ pub struct NewtonScratch {
     pub(crate) limit: WorkLimit,
     /// A full step that leaves next to no residual is the last, without a solve that confirms it: linear problems take one.
     trusts_residuals: bool,
+    /// The shortest step is taken even if it does not pass the monotonicity test.
+    pub(super) insists: bool,
 }
 
 impl NewtonScratch {
@@ -324,7 +326,7 @@ impl Iteration<'_> {
     /// if λ = 1.
     fn damped_step(&mut self, size: f64) -> Result<Option<f64>, NewtonError> {
         let Iteration { settings, system, scratch, problem, y, conditions, report } = self;
-        let NewtonScratch { step, trial_step, trial, trusts_residuals, .. } = &mut **scratch;
+        let NewtonScratch { step, trial_step, trial, trusts_residuals, insists, .. } = &mut **scratch;
         let trial = trial.get_or_insert_with(|| y.clone());
         let before = if *trusts_residuals { system.residual.largest() } else { 0.0 };
         let mut lambda = 1.0;
@@ -352,6 +354,10 @@ impl Iteration<'_> {
             lambda *= 0.5;
             if lambda < settings.min_damping || report.iterations >= settings.max_iterations {
                 let iterations = report.iterations;
+                if *insists && next.is_finite() {
+                    std::mem::swap(*y, trial);
+                    return Ok(None);
+                }
                 return Err(if next.is_finite() {
                     NewtonError::Stalled { iterations, correction: size }
                 } else {

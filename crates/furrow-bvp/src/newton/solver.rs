@@ -136,6 +136,20 @@ pub enum SolveError {
 /// Consecutive meshes on which Newton may fail before a homotopy is tried.
 const FAILURES: usize = 3;
 
+/// Newton's method where it is not to converge on every mesh: few steps, and no shorter ones than these.
+const CARRIED: Newton = Newton {
+    tolerance: 1e-6,
+    max_factorisations: 8,
+    max_iterations: 40,
+    min_damping: 0.06,
+    leniency: 1.0,
+    chord_contraction: 0.3,
+};
+
+/// Meshes of these steps, and defects above which intervals are cut.
+const CARRIED_MESHES: usize = 12;
+const CARRIED_DEFECT: f64 = 1e-3;
+
 /// Where the condition times the defect is larger, the problem may be singular.
 const SUSPECT: f64 = 1e-2;
 
@@ -308,24 +322,43 @@ impl Run<'_> {
         let (condition, defect) = (condition::estimate(&mut self.system, &y), largest(&defects));
         let needed = mesh::intervals_for(&y.mesh, &defects, y.m, self.tolerance).max(2);
         let solved = Solved { solution: y, defect, condition, work: self.work, slopes, error: None };
-        let y = &solved.solution;
         if condition * defect > SUSPECT || condition > SINGULAR {
-            let mut finer = y.on_mesh(&self.system.gauss, &mesh::halved(&y.mesh));
-            match self.newton(&mut finer) {
-                Ok(()) => {}
-                Err(NewtonError::Stopped { reason, .. }) => return Err(self.stopped(reason, finer.intervals())),
-                Err(_) => return Err(SolveError::Singular { condition, intervals: y.intervals() }),
-            }
-            let on_finer = condition::estimate(&mut self.system, &finer);
-            if on_finer > GROWN * condition || on_finer > SINGULAR {
-                return Err(SolveError::Singular { condition: on_finer, intervals: finer.intervals() });
-            }
-        } else if WASTEFUL * needed <= y.intervals()
+            return self.settled(solved);
+        }
+        if WASTEFUL * needed <= solved.solution.intervals()
             && let Some(coarser) = self.on_coarser(&solved, &defects, needed)
         {
             return Ok(coarser);
         }
         Ok(Solved { work: self.work, ..solved })
+    }
+
+    /// The solution on intervals that are halved until its condition no longer grows; an error if it grows without bound, as the condition of
+    /// a singular problem does.
+    fn settled(&mut self, mut solved: Solved) -> Result<Solved, SolveError> {
+        loop {
+            let Solved { solution: y, condition, .. } = &solved;
+            let (condition, intervals) = (*condition, y.intervals());
+            let mut finer = self.moved(y, &mesh::halved(&y.mesh));
+            match self.newton(&mut finer) {
+                Ok(()) => {}
+                Err(NewtonError::Stopped { reason, .. }) => return Err(self.stopped(reason, finer.intervals())),
+                Err(_) => return Err(SolveError::Singular { condition, intervals }),
+            }
+            let on_finer = condition::estimate(&mut self.system, &finer);
+            let grows = on_finer > GROWN * condition || solved.defect > self.tolerance;
+            if on_finer > SINGULAR || grows && 4 * intervals > self.settings.max_intervals {
+                return Err(SolveError::Singular { condition: on_finer, intervals: finer.intervals() });
+            }
+            let (defects, slopes) = self.defects(&finer);
+            let defect = largest(&defects);
+            let work = self.work;
+            let finer = Solved { solution: finer, defect, condition: on_finer, work, slopes, error: None };
+            match grows {
+                true => solved = finer,
+                false => return Ok(Solved { work, ..solved }),
+            }
+        }
     }
 
     /// The solution on the number of intervals that it needs, if it is the same there.
@@ -365,7 +398,8 @@ impl Run<'_> {
             return Err(SolveError::Singular { condition, intervals });
         }
         let missed = condition.max(1.0) * self.missed(&finer, &defects);
-        let error = (apart / (2f64.powi(y.m as i32) - 1.0)).max(missed).max(self.unsettled(&finer));
+        let rounding = self.unsettled(&finer).max(condition * f64::EPSILON);
+        let error = (apart / (2f64.powi(y.m as i32) - 1.0)).max(missed).max(rounding);
         let (defect, work) = (largest(&defects), self.work);
         Ok(Solved { solution: finer, defect, condition, work, slopes, error: Some(error) })
     }
@@ -447,7 +481,8 @@ impl Run<'_> {
             if (failures == FAILURES || last) && !std::mem::replace(&mut self.homotopy_tried, true) {
                 let Run { problem, settings, system, scratch, work, guess, .. } = self;
                 let limits = [limit, settings.homotopy];
-                if let Some(y) = homotopy::solve(*problem, guess, limits, system, scratch, work) {
+                let found = homotopy::solve(*problem, guess, limits, system, scratch, work);
+                if let Some(y) = found.or_else(|| self.carried()) {
                     start = y;
                     continue;
                 }
@@ -463,6 +498,37 @@ impl Run<'_> {
             }
             start = self.moved(&start, &mesh::halved(&start.mesh));
         }
+    }
+
+    /// A solution to which few steps of Newton's method on each of some meshes lead from the guess: the mesh follows iterates that have not
+    /// converged. `None` if there is none within the limit of intervals.
+    fn carried(&mut self) -> Option<Solution> {
+        let mut y = self.guess.clone();
+        self.scratch.insists = true;
+        let mut found = false;
+        for _ in 0..CARRIED_MESHES {
+            match CARRIED.solve(&mut self.system, &mut self.scratch, self.problem, &mut y, &[], false) {
+                Ok(report) => {
+                    self.work += report;
+                    found = true;
+                    break;
+                }
+                Err(NewtonError::Stalled { .. }) => self.work.rejected += 1,
+                Err(_) => break,
+            }
+            let defects = mesh::defect(&self.system.gauss, self.problem, &y);
+            let grid = mesh::cut(&y.mesh, |i| match defects[i] {
+                defect if defect > 100.0 * CARRIED_DEFECT => 3,
+                defect if defect > CARRIED_DEFECT => 2,
+                _ => 1,
+            });
+            if grid.len() == y.mesh.len() || grid.len() > self.settings.max_intervals + 1 {
+                break;
+            }
+            y = self.moved(&y, &grid);
+        }
+        self.scratch.insists = false;
+        found.then_some(y)
     }
 
     /// The solution on another mesh.
