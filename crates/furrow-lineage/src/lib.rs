@@ -2,7 +2,7 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`definition`], [`founder`], `read`, `check`, `clash`, `fits` | the lineage file: founders, cues, names, limits; reading and checking it |
+//! | [`definition`], [`founder`], `read`, `check`, `clash`, `fits` | the lineage file: founders, cues, names, limits; checks |
 //! | [`clock`] | lifetimes of cells; births and divisions in minutes |
 //! | [`scenario`] | one of several lineages that are compared |
 //! | [`batch`] | the cache of divisions, the scheduler, phase diagrams |
