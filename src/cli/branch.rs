@@ -147,7 +147,7 @@ fn azimuthal(found: &Diagram) -> Option<Vec<Value>> {
     scanned.then(|| crossings.collect())
 }
 
-/// What `--json` prints.
+/// The `--json` output.
 fn document(cell: &Cell, found: &Diagram) -> Value {
     fn of(found: &Diagram, all: impl Fn(&'static str, &Branch) -> Vec<Value>) -> Vec<Value> {
         found.branches.iter().flat_map(|(name, branch)| all(name, branch)).collect()

@@ -62,7 +62,7 @@ pub struct Globals {
 type Given = (&'static str, &'static str, String);
 
 impl Globals {
-    /// What `--set` sets.
+    /// The settings of `--set`.
     ///
     /// # Errors
     /// Names an entry that cannot be read.
