@@ -135,7 +135,7 @@ impl Context {
         })
     }
 
-    /// The same for a command whose equations assume axial symmetry.
+    /// The same for a command that assumes axial symmetry.
     ///
     /// # Errors
     /// As [`Context::new`], and for settings with azimuthal modes.

@@ -118,7 +118,7 @@ impl Parameter {
         ]
     };
 
-    /// The numbers of a cue: those of its terms, then those of its regulator, without the constants of PAR polarity.
+    /// The numbers of a cue, first from its terms, then from its regulator, without the constants of PAR polarity.
     pub fn of_cue(cue: &Cue) -> Vec<Parameter> {
         let has = |term: usize| move |quantity: &Quantity| cue.terms()[term].quantity(*quantity).is_some();
         let of_term =

@@ -564,7 +564,7 @@ pub fn canonical_name(key: &str) -> Result<&'static str, String> {
         Some((section @ ("physics" | "numerics"), plain)) => (Some(section), plain),
         _ => (None, key),
     };
-    // If the key has a section, it must be that of the parameter.
+    // If the key has a section, the parameter must be in this section.
     let misplaced = |right: &str| section.is_some_and(|section| section != right);
     if let Some(name) = [XI_B, SHELL_PROFILE].into_iter().find(|name| *name == plain) {
         return if misplaced("physics") { Err(format!("physics.{name} or {name} alone")) } else { Ok(name) };

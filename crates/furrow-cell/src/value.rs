@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{RigidityGradient, Scheme};
 
-/// A number, or a text: a word for parameters whose values are words, or the text after `=` in `--set`, which may also be a number.
+/// A number, or a text: a word if the parameter takes words, or the text after `=` in `--set`, which may also be a number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "expected a number, or a word in quotes")]
 pub enum Value {

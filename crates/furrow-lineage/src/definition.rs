@@ -76,7 +76,7 @@ fn default_naming() -> (char, char) {
 /// are no cycles, below each founder there are two founders or no founder, and names cannot conflict.
 ///
 /// While a file is read, `C` is a [`WrittenCue`](furrow_cell::cue::WrittenCue), since cues may be in µm and seconds, and `L` is
-/// [`WrittenLifetimes`](super::clock::WrittenLifetimes), since lifetimes may be in a separate file. `S` is that of [`Founder`].
+/// [`WrittenLifetimes`](super::clock::WrittenLifetimes), since lifetimes may be in a separate file. `S` is the parameter of [`Founder`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, bound(deserialize = "C: Deserialize<'de>, L: Deserialize<'de>, S: Deserialize<'de>"))]
 pub struct Lineage<C = Cue, L = Lifetimes, S = ShellChoice> {

@@ -52,7 +52,7 @@ pub struct Founder<S = ShellChoice> {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub daughter: Option<Daughter>,
     /// Name of its cue, inherited by its descendants up to the next founder unless `inherit` is false. Without it, and
-    /// without the founder's `cue_rules`, those of the file apply.
+    /// without the founder's `cue_rules`, the file's rules apply.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cue: Option<String>,
     /// Whether its descendants inherit its cue.
@@ -262,7 +262,7 @@ fn is_yes(value: &bool) -> bool {
     *value
 }
 
-/// Founders with the tables of their shells, whose paths are relative to the folder of the file.
+/// Founders with the tables of their shells. Paths of tables are relative to the folder of the file.
 ///
 /// # Errors
 /// Names the founder, or the table and its faulty line.

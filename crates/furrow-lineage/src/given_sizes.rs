@@ -15,7 +15,7 @@ impl Lineage {
         Some(self.given_r0(founder)?.powi(3) / self.growth(founder))
     }
 
-    /// Warnings for mothers whose given volume differs from the sum of the given volumes of their daughters.
+    /// Warnings about mothers and daughters: the given volume of a mother should equal the sum of the given volumes of her daughters.
     pub fn doubtful_sums(&self) -> Vec<String> {
         let written = |founder: usize| self.founders[founder].r0.map_or(String::new(), |r0| format!("r0 = {r0}"));
         let name = |founder: usize| shown(&self.founders[founder].name);

@@ -27,7 +27,7 @@ impl Rules {
         })
     }
 
-    /// One sentence for each rule whose cells are covered by an earlier rule.
+    /// One sentence for each rule that cannot apply because an earlier rule covers all its cells.
     fn covered(&self) -> impl Iterator<Item = String> {
         self.all.iter().enumerate().filter_map(|(k, (sets, span))| {
             let earlier = self.all[..k].iter().position(|(other, wider)| other == sets && wider.covers(span))?;

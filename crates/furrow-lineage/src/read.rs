@@ -147,7 +147,7 @@ struct Differing {
     naming: Option<(char, char)>,
     units: Option<Units>,
     limits: Option<Limits>,
-    /// Cues that are added to those of the base, or replace cues of the same name.
+    /// Cues that are added to the base, or replace its cues of the same name.
     #[serde(default, deserialize_with = "unique")]
     cues: BTreeMap<String, WrittenCue>,
     /// Replace the base's rules, if any are given.
@@ -156,7 +156,7 @@ struct Differing {
     /// Replace the base's rules, if any are given.
     #[serde(default)]
     physics_rules: Vec<PhysicsRule>,
-    /// Replace those of the base, if any are given.
+    /// Replace the base's `dies`, if any are given.
     #[serde(default)]
     dies: Vec<String>,
     /// Replaces the clocks of the base and of its founders.

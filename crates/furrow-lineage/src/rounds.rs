@@ -1,6 +1,6 @@
 //! Rounds of division per founder.
 //!
-//! "Rounds" can be defined in several ways, all of which are computed: the fewest, mean and most divisions from the founder to a
+//! "Rounds" has several definitions, and all are computed: the fewest, mean and most divisions from the founder to a
 //! terminal cell, and the number of generations, counted from the founder, in which every cell divided.
 
 use super::tree::Tree;

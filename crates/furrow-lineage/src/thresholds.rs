@@ -94,7 +94,7 @@ impl<'a> Thresholds<'a> {
         self.radii.known_radius(&cell.clone().with_cue(Cue::none()))
     }
 
-    /// Cues whose search for a critical radius failed, and the reason.
+    /// Cues for which the search for a critical radius failed, and the reason.
     pub fn unknown(&self) -> Vec<(Cue, ShapeError)> {
         self.unknown.borrow().clone()
     }

@@ -327,7 +327,7 @@ impl Bent {
         let change: Vec<f64> = self.tangent.iter().map(|t| t * step).collect();
         self.problem.change(&mut self.state, &change, self.pressure_tangent * step);
         self.set(Parameter::XiS, self.cell.xi_s + self.slope * step);
-        // The mesh weights are those of the predicted surface, because weights that change in every iteration would slow convergence.
+        // The mesh weights come from the predicted surface, because weights that change in every iteration would slow convergence.
         self.problem.spread(&self.state.surface);
         // At the pitchfork a disturbance that breaks the mirror symmetry also solves the linear equations.
         let even = self.problem.projection(Among::Even);

@@ -87,7 +87,7 @@ pub fn crossing(space: &Space, surface: &[f64]) -> f64 {
     deepest
 }
 
-/// Facets closer to a point than this, in L_h, are those of the point itself.
+/// Facets closer to a point than this, in L_h, belong to the point itself.
 const OWN: f64 = 1e-6;
 
 /// The depth of a point behind the wall that covers it; 0 if it is not covered.

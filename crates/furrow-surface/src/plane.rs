@@ -18,7 +18,7 @@ pub enum Plates {
 }
 
 impl Plates {
-    /// Factors that convert 1/x², 1/y², 1/z² for the half-axes of a round shell to those of S.7.
+    /// Factors that convert 1/x², 1/y², 1/z² from the half-axes of a round shell to the half-axes of S.7.
     pub fn factors(self, flattening: f64) -> Vector<f64> {
         let (wide, thin) = (flattening, 1.0 / (flattening * flattening));
         match self {

@@ -1,5 +1,5 @@
-//! Polarity cues as data. A cue is a sum of terms, each with a field, a profile and an amplitude, and may include a regulator that
-//! is advected by the flow.
+//! Polarity cues as data. A cue is a sum of terms and may include a regulator that is advected by the flow. A term has a field, a
+//! profile and an amplitude.
 //!
 //! | file | contents |
 //! |---|---|

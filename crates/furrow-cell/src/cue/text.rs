@@ -1,4 +1,4 @@
-//! Cues as text, on the command line and in files: `none`, or terms `FIELD:PROFILE,key=value,…` joined by `+`, of which one may be a
+//! Cues as text, on the command line and in files: `none`, or terms `FIELD:PROFILE,key=value,…` joined by `+`. One term may be a
 //! regulator.
 //!
 //! Parsing the printed text gives the same cue: [`Display`](std::fmt::Display) writes every number with enough digits to recover it
@@ -160,7 +160,7 @@ pub(super) fn field(name: &str) -> Result<Field, CueError> {
     known.ok_or_else(|| CueError::new("cue", shown(name), allowed()))
 }
 
-/// The field with a given name, which may also be that of a regulator.
+/// The field with a given name, for a term or a regulator.
 fn field_of_term(name: &str) -> Result<Field, CueError> {
     let names = || Field::ALL.map(Field::name).into_iter().chain([REGULATOR]);
     let fields = Field::ALL.map(Field::name).join(", ");
@@ -294,7 +294,7 @@ impl Numbers {
 }
 
 impl Numbers {
-    /// Stores a value if its key is that of a side. `name` is the name of the term in errors.
+    /// Stores a value if its key belongs to a side. `name` is the name of the term in errors.
     fn set_side(&mut self, name: &str, key: &str, value: &str) -> Result<bool, CueError> {
         const ALLOWED: &str = "a number, in radians, or with deg behind it in degrees";
         let slot = match key {

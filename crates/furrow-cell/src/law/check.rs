@@ -143,7 +143,7 @@ impl Law {
     }
 
     /// The reason why a cue is incompatible with the law: it modulates an activity that no expression uses, or a field that the moment
-    /// uses, whose slope along the contour would be required by the equations.
+    /// uses, because the equations would require its slope along the contour.
     pub fn misfit(&self, cue: &Cue) -> Option<String> {
         let coupled = cue.regulator().into_iter().flat_map(|regulator| &regulator.couplings);
         let strong = coupled.filter(|coupling| coupling.strength != 0.0).map(|coupling| coupling.field);

@@ -159,7 +159,7 @@ impl From<Law> for Document {
     }
 }
 
-/// Names of the built-in laws, whose derivatives are part of the equations.
+/// Names of the built-in laws, which the equations implement with hand-written derivatives.
 pub const BUILT_IN: [&str; 1] = ["paper"];
 
 impl Law {

@@ -116,7 +116,7 @@ fn numbers(of: &Active<f64>) -> [f64; 4] {
     [of.moment, of.stress[0], of.stress[1], of.normal_force]
 }
 
-/// The quantities at u of a sphere with the cell's volume, or of a slightly different surface, like that of a passive cell: near a
+/// The quantities at u of a sphere with the cell's volume, or of a slightly different surface, as passive cells have: near a
 /// pole the difference of its curvatures increases with the square of the distance.
 fn on_sphere(cell: &Cell, values: &LawValues<f64>, xi_s: f64, u: f64, away: f64) -> [f64; VARIABLES] {
     let (r0, material) = (cell.r0, &cell.material);

@@ -159,7 +159,7 @@ pub struct Program {
     steps: Vec<Step>,
     /// Indices of the results, in the order of [`Expression`](super::Expression); `None` if the law lacks the expression.
     pub(super) results: [Option<u16>; 4],
-    /// Number of operations up to the end of the first expression, the moment, whose value the others need.
+    /// Number of operations up to the end of the first expression, the moment, because the others need its value.
     first: usize,
 }
 
@@ -242,7 +242,7 @@ impl Program {
         [self.first, second.max(self.first)]
     }
 
-    /// Runs the operations after those whose results are in `values`, up to a given number of operations or to the last.
+    /// Continues after the operations with results in `values`, up to a given number of operations or to the last.
     pub(super) fn run<A: Algebra>(&self, until: Option<usize>, place: &[A], uniform: &[A], values: &mut Vec<A>) {
         let steps = &self.steps[values.len()..until.unwrap_or(self.steps.len())];
         for step in steps {

@@ -1,6 +1,6 @@
 //! Laws stated in Rust, as one generic function.
 //!
-//! The function is called once, with symbols instead of numbers. Its operations are recorded as expressions like those of a file, so
+//! The function is called once, with symbols instead of numbers. Its operations are recorded as expressions, so
 //! the law is cached, saved and differentiated like one from a file.
 
 use std::cell::{Cell as Flag, RefCell};

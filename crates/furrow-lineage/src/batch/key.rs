@@ -102,7 +102,7 @@ impl CanonicalBytes {
         if let Some(law) = law {
             self.law(law);
         }
-        // Only the content of a table is written; its aspect ratio is that of the shell.
+        // Only the content of a table is written, because the shell already contains its aspect ratio.
         if let Some(profile) = shell_profile {
             let series = profile.factor().series();
             self.choice(PROFILED);

@@ -295,7 +295,7 @@ mod tests {
         let first = memo.solve(&fake::input(2.0), solve).unwrap();
         let beside = memo.solve(&fake::input(2.001), solve).unwrap();
         assert_eq!((count.load(Ordering::Relaxed), memo.len(), first.chi()), (1, 1, beside.chi()));
-        // The daughters' volumes add up to that of the requested mother, not of the rounded one.
+        // The daughters' volumes add up to the volume of the requested mother, not of the rounded one.
         let volume = |division: &furrow_mechanics::division::Division| -> f64 {
             division.daughters().unwrap().iter().map(|r0| r0.powi(3)).sum()
         };

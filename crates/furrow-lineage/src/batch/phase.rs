@@ -157,8 +157,8 @@ impl PhasePlane {
         self.compute_shown(memo, options, &|_, _| ())
     }
 
-    /// The same, with a callback: `shown` gets the number of columns whose stationary shapes are known, which are computed before
-    /// the divisions, and the number of all columns.
+    /// The same, with a callback. Stationary shapes are computed before the divisions, column by column; `shown` gets the number of
+    /// finished columns and the number of all columns.
     ///
     /// # Errors
     /// As [`compute`](PhasePlane::compute).

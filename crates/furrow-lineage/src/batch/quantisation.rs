@@ -2,8 +2,8 @@
 
 /// Rounding of sizes to a number of binary digits, applied before a task is looked up or solved.
 ///
-/// Tasks whose sizes differ only by rounding errors then share one record. Rounding to binary digits is exact and
-/// idempotent. It needs no logarithm, whose last digit could differ between machines.
+/// Tasks with sizes that differ only by rounding errors then share one record. Rounding to binary digits is exact and
+/// idempotent. It needs no logarithm, which could differ between machines in its last digit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quantisation {
     /// Binary digits kept after the leading one, 0 to 52; 52 keeps a size unchanged.

@@ -69,7 +69,7 @@ pub struct Progress {
     pub running: usize,
     /// Divisions waiting for a worker.
     pub queued: usize,
-    /// Jobs whose division was already known, or was solved for another job.
+    /// Jobs for which the division was already known, or was solved for another job.
     pub memo_hits: usize,
 }
 
@@ -80,7 +80,7 @@ pub struct Summary {
     pub jobs: usize,
     /// Divisions solved by this run.
     pub solved: usize,
-    /// Jobs whose division was already known, or was solved for another job.
+    /// Jobs for which the division was already known, or was solved for another job.
     pub memo_hits: usize,
     /// Distinct divisions of this run that came from the store.
     pub store_hits: usize,
@@ -93,7 +93,7 @@ pub struct Summary {
     /// Estimated effect of that shift on χ: the largest shift times the steepest slope of χ over ln R0 between neighbouring radii
     /// of this run with otherwise equal inputs.
     pub shift_effect: f64,
-    /// Jobs whose division has a [second neck](Division::second_neck).
+    /// Jobs with a [second neck](Division::second_neck) in their division.
     pub three_parts: usize,
     /// Warnings for the user, for example about a store that could not be written.
     pub warnings: Vec<StoreWarning>,
