@@ -40,7 +40,7 @@ pub struct BranchArgs {
     /// Largest ξ_s
     #[arg(help_heading = "Numerics", long, value_name = "X", default_value_t = 100.0, value_parser = number)]
     xi_max: f64,
-    /// Ends a branch where the reduced volume, the volume divided by that of a sphere with the same area, falls to V
+    /// Ends a branch where the reduced volume falls to V: the volume divided by the volume of a sphere with the same area
     #[arg(help_heading = "Numerics", long, value_name = "V", value_parser = number)]
     reduced_volume: Option<f64>,
     /// Largest step along a branch, in arclength
@@ -147,7 +147,7 @@ fn azimuthal(found: &Diagram) -> Option<Vec<Value>> {
     scanned.then(|| crossings.collect())
 }
 
-/// What `--json` prints.
+/// The `--json` output.
 fn document(cell: &Cell, found: &Diagram) -> Value {
     fn of(found: &Diagram, all: impl Fn(&'static str, &Branch) -> Vec<Value>) -> Vec<Value> {
         found.branches.iter().flat_map(|(name, branch)| all(name, branch)).collect()

@@ -193,7 +193,7 @@ impl FirstCellArgs {
     }
 }
 
-/// Sets the parameters of the given options; none of them may also be set by `--set`.
+/// Sets the parameters of the given options, which `--set` must not set too.
 ///
 /// # Errors
 /// Names the option, its value and the allowed values.

@@ -62,7 +62,7 @@ pub struct Globals {
 type Given = (&'static str, &'static str, String);
 
 impl Globals {
-    /// What `--set` sets.
+    /// The settings of `--set`.
     ///
     /// # Errors
     /// Names an entry that cannot be read.
@@ -135,7 +135,7 @@ impl Context {
         })
     }
 
-    /// The same for a command whose equations assume axial symmetry.
+    /// The same for a command that assumes axial symmetry.
     ///
     /// # Errors
     /// As [`Context::new`], and for settings with azimuthal modes.

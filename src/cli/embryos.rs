@@ -17,7 +17,7 @@ use furrow_measured::volumes::{EmbryoSize, Unit};
 use super::messages;
 use super::output::{number, or_dash};
 
-// Cells whose names differ from the lineage's.
+// Cells with names that differ from the lineage's.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Names")]
 pub struct MatchArgs {

@@ -42,7 +42,7 @@ pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
     let table = merge(&args.parts)?;
     table.write(&args.out)?;
     let (points, parts, out) = (table.rows.len(), args.parts.len(), args.out.display().to_string());
-    // The counts are those of a sweep with no new divisions.
+    // The counts are the same as for a sweep without new divisions.
     let document = json!({ "points": points, "solved": 0, "reused": points, "parts": parts, "out": out });
     print_as(globals.json, &document, || format!("{points} points of {parts} parts; files in {out}\n"))
 }

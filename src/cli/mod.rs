@@ -97,7 +97,7 @@ enum Command {
     Sweep(sweep::SweepArgs),
     /// Merges the parts of a sweep, or of a sample of furrow test
     ///
-    /// The files of a merged sweep are identical to those of the whole sweep. The command fails if parts are missing or come from different
+    /// A merged sweep has the same files as the whole sweep, byte for byte. The command fails if parts are missing or come from different
     /// sweeps or versions of furrow.
     Merge(merge::MergeArgs),
     /// Solves for one parameter: the values at which a cell divides with a required χ, furrow position or time

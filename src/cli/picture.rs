@@ -30,8 +30,8 @@ pub struct PlotArgs {
 pub struct MovieArgs {
     /// Writes a movie of the first replicate: GIF, animated PNG, animated SVG or a page by the file's extension
     ///
-    /// The page FILE.html is a single file that needs no network. It shows the cell, which can be rotated and whose colour is the mean
-    /// tension, next to the numbers of the current frame.
+    /// The page FILE.html is a single file that needs no network. It shows the cell, coloured by the mean
+    /// tension, and the numbers of the current frame. The cell can be rotated.
     #[arg(help_heading = "Output", long = "movie", value_name = "FILE.gif|.png|.svg|.html")]
     movie: Option<PathBuf>,
     /// Frames of the movie, evenly spaced in time; default 80, for SVG 20

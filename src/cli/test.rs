@@ -61,10 +61,10 @@ pub struct TestArgs {
     /// Numbers to fit: PARAMETER, PARAMETER@CLASS for a class of cells (germline, somatic or a founder), or PARAMETER@embryo, which varies
     /// between embryos in the posterior. The default is every number of the cue; "none" fits nothing
     ///
-    /// A number of a cue is fitted only in hypotheses whose cue has it. With epsilon,epsilon@P2 the cells of P2 have their own ε; all other
+    /// A number of a cue is fitted only in hypotheses with this cue. With epsilon,epsilon@P2 the cells of P2 have their own ε; all other
     /// cells share one. r0 is the radius of the first cell; all given radii scale with it, which is equivalent to fitting L_h. growth is
-    /// the volume at division divided by the volume at birth, from 0.5 to 2. The default ranges are those of furrow fit cue for numbers
-    /// of a cue and those of furrow solve for other numbers; PARAMETER@CLASS=FROM..TO sets another range.
+    /// the volume at division divided by the volume at birth, from 0.5 to 2. The default ranges are the same as
+    /// in furrow fit cue for numbers of a cue, and as in furrow solve for other numbers; PARAMETER@CLASS=FROM..TO sets another range.
     #[arg(help_heading = "Hypotheses", long, value_name = "NAME@CLASS,..", value_delimiter = ',')]
     free: Option<Vec<String>>,
     /// Founders with their cues, which the hypotheses replace; default the built-in C. elegans founders
@@ -87,7 +87,7 @@ pub struct TestArgs {
     /// For tables of divisions and of χ
     #[arg(help_heading = "Measurements", long, value_name = "COLUMN,..", value_delimiter = ',')]
     class: Vec<String>,
-    /// Edge length of a voxel in µm, which converts voxels to µm³; EMBRYO=UM sets that of one embryo
+    /// Edge length of a voxel in µm, which converts voxels to µm³; EMBRYO=UM sets it for one embryo
     #[arg(help_heading = "Measurements", long, value_name = "UM|EMBRYO=UM", value_parser = of_embryo)]
     voxel: Vec<OfEmbryo>,
     /// Includes the observed mean rounds of the lineage's founders, with this standard deviation in rounds

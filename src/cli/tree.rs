@@ -414,7 +414,7 @@ fn warn_of_origin(tree: &Tree, scenario: &str) {
     }
 }
 
-/// Logs cues without a critical radius. One warning lists the cues whose search was abandoned.
+/// Logs cues without a critical radius. One warning lists the cues with an abandoned search.
 fn warn_of_searches(unknown: &[(Cue, ShapeError)]) {
     for (cue, error) in unknown {
         messages::write(

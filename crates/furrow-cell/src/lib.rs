@@ -1,14 +1,14 @@
-//! A dividing cell by its parameters.
+//! A dividing cell and its parameters.
 //!
 //! | type | role |
 //! |---|---|
 //! | [`Cell`] | one cell: R0, ε, ξ_s and a [`Cue`], in a [`Material`] and a [`Shell`] |
-//! | [`Material`] | the constants of the cortex: rigidity, viscosities, friction, tension, what activity does |
+//! | [`Material`] | the constants of the cortex: rigidity, viscosities, friction, tension, ratio and gain of activities |
 //! | [`Shell`] | the constants of the ellipsoidal shell that confines it |
-//! | [`ShellProfile`] | a shell of any profile in place of the ellipsoid, from a table of r over z |
+//! | [`ShellProfile`] | a shell of another profile than the ellipsoid, from a table of r over z |
 //! | [`Cue`] | a polarity cue: a sum of [`cue::Term`]s, each a field, a profile and an amplitude, and a [`cue::Regulator`] that flow carries |
-//! | [`Law`] | a law of active stress of the user's own, in place of the equations' |
-//! | [`Parameter`] | a scalar of a cell by its name, to be read, set, continued in or fitted |
+//! | [`Law`] | a user-defined law of active stress |
+//! | [`Parameter`] | a scalar of a cell by its name, which can be read, set, varied or fitted |
 //! | [`Numerics`] | settings of the discretisation |
 
 pub mod cue;
@@ -31,7 +31,7 @@ pub use settings::Settings;
 use num_dual::DualNum;
 use serde::{Deserialize, Serialize};
 
-/// Number types in which the model can be evaluated: plain, or carrying derivatives.
+/// Number types in which the model can be evaluated: plain numbers, or numbers with derivatives.
 pub trait Number: DualNum<Primitive = f64> + Copy {}
 
 impl<D: DualNum<Primitive = f64> + Copy> Number for D {}
@@ -39,13 +39,13 @@ impl<D: DualNum<Primitive = f64> + Copy> Number for D {}
 /// Radius R0 of the published zygote, in L_h.
 pub const ZYGOTE: f64 = 5.4;
 
-/// Radii of cells that users may give, in L_h. Beyond, nothing is found, and volumes are lost to rounding or overflow.
+/// Allowed radii of cells, in L_h. Outside this range no solutions are found, and volumes suffer from rounding or overflow.
 pub const SIZES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
 /// One cell, in the units L_h = √(η_b/Γ) (length), κ0 (energy) and τ = η_b L_h²/κ0 (time).
 ///
-/// Everything its mechanics depends on is here, so that two equal cells divide alike. Values are checked where users give
-/// them; a `Cell` made in code is taken as it is.
+/// It contains everything on which its mechanics depends, so equal cells divide equally. Values are checked when they are read from
+/// user input; a `Cell` constructed in code is not checked.
 ///
 /// ```
 /// use furrow_cell::Cell;
@@ -60,7 +60,7 @@ pub const SIZES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 pub struct Cell {
     /// Radius R0 of the sphere with the cell's volume, in L_h.
     pub r0: f64,
-    /// Volume of the cell over the volume of its shell, ε.
+    /// Volume of the cell divided by the volume of its shell, ε.
     pub epsilon: f64,
     /// Anisotropic activity ξ_s, as published (before the gain), in κ0/L_h.
     pub xi_s: f64,
@@ -85,7 +85,7 @@ impl Cell {
         Cell { r0, epsilon: 0.87, xi_s: 25.0, cue: Cue::none(), material, shell, law: None, shell_profile: None }
     }
 
-    /// The same of the preset `gao2026-thresholds`.
+    /// The same for the preset `gao2026-thresholds`.
     pub const fn gao2026_thresholds(r0: f64) -> Cell {
         let (material, shell) = (Material::GAO2026_THRESHOLDS, Shell::GAO2026_THRESHOLDS);
         Cell { r0, epsilon: 0.87, xi_s: 25.0, cue: Cue::none(), material, shell, law: None, shell_profile: None }
@@ -102,20 +102,20 @@ impl Cell {
         self
     }
 
-    /// Whether nothing tells one pole from the other: its shell is its own mirror image, and its cue and its law, if any, are even
-    /// about u = ½.
+    /// Whether the poles are equivalent: its shell is mirror-symmetric, and its cue and its law, if any, are even about
+    /// u = ½.
     pub fn is_mirror_symmetric(&self) -> bool {
         self.has_even_shell()
             && self.law.as_ref().is_none_or(|law| law.is_mirror_symmetric(self))
             && self.cue.is_even_for(self.law_reads_regulator())
     }
 
-    /// Whether its shell is its own mirror image. If not, nor is the passive cell.
+    /// Whether its shell is mirror-symmetric. If not, neither is the passive cell.
     pub fn has_even_shell(&self) -> bool {
         self.shell_profile.as_ref().is_none_or(|profile| profile.is_mirror_symmetric())
     }
 
-    /// Whether its shell and its cue are round about the axis of division.
+    /// Whether its shell and its cue are axisymmetric about the axis of division.
     pub fn has_axis(&self) -> bool {
         self.shell.flattening == 1.0 && !self.cue.is_one_sided()
     }
@@ -127,12 +127,12 @@ impl Cell {
         Cell { cue: self.cue.mirrored(), law, shell_profile, ..self.clone() }
     }
 
-    /// The same cell without activity and without a cue: every division starts from it.
+    /// The same cell without activity and without a cue, from which every division starts.
     pub fn passive(&self) -> Cell {
         Cell { xi_s: 0.0, cue: Cue::none(), ..self.clone() }
     }
 
-    /// The cell's cue with the fewest terms: as [`Cue::simplified`], but a regulator that the cell's law names stays, whatever it acts on.
+    /// The cell's cue with the fewest terms: as [`Cue::simplified`], but a regulator that the cell's law uses is always kept.
     pub fn simplified_cue(&self) -> Cue {
         self.cue.simplified_for(self.law_reads_regulator())
     }

@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How a varying bending rigidity κ(u) enters the tangential force balance.
+/// The treatment of a varying bending rigidity κ(u) in the tangential force balance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RigidityGradient {
     /// The full force balance: the term ½(C − C0)²∂_sκ is kept.
     Full,
-    /// The paper's reading: κ is attached to the mesh and the term is dropped.
+    /// The paper's formulation: κ is attached to the mesh and the term is omitted.
     Dropped,
 }
 
@@ -26,13 +26,13 @@ pub struct Material {
     pub friction: f64,
     /// Passive tension γ, in κ0/L_h².
     pub tension: f64,
-    /// Ratio ξ_b/ξ_s of isotropic to anisotropic activity, held fixed when ξ_s varies.
+    /// Ratio ξ_b/ξ_s of isotropic to anisotropic activity, constant when ξ_s varies.
     pub xi_ratio: f64,
     /// Activity gain g: the published ξ enters the force balance as gξ.
     pub gain: f64,
-    /// How a varying κ enters the tangential balance.
+    /// The treatment of a varying κ in the tangential balance.
     pub rigidity_gradient: RigidityGradient,
-    /// Spontaneous curvature C0, in 1/L_h: the energy of bending is ½κ(C − C0)² per area.
+    /// Spontaneous curvature C0, in 1/L_h: the bending energy is ½κ(C − C0)² per area.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub spontaneous_curvature: f64,
     /// Friction Γ_n with the surroundings against motion along the normal, in the unit of Γ.
@@ -45,7 +45,7 @@ fn is_zero(value: &f64) -> bool {
 }
 
 impl Material {
-    /// The preset `gao2026`: published values, and the gain that goes with its shell.
+    /// The preset `gao2026`: published values, and the gain fitted together with its shell.
     pub const GAO2026: Material = Material {
         kappa: 1.0,
         eta_b: 1.0,
@@ -62,7 +62,7 @@ impl Material {
     pub const GAO2026_THRESHOLDS: Material = Material { gain: 0.5, ..Material::GAO2026 };
 }
 
-/// Constants of the ellipsoidal shell. The paper does not print them; the presets choose them by its statements.
+/// Constants of the ellipsoidal shell. The paper does not give them; the presets choose them to satisfy the paper's statements.
 ///
 /// Its half axes are a√(1/f) along the axis of division, b√(1/f) and bf across it, f the flattening, with the same volume for all f.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -89,7 +89,7 @@ fn is_round(flattening: &f64) -> bool {
 }
 
 impl Shell {
-    /// The preset `gao2026`, which meets all statements of the paper about its constants, thresholds within 1 %.
+    /// The preset `gao2026`, which satisfies the statements of the paper used in the fit, with thresholds within 1 %.
     pub const GAO2026: Shell = Shell { aspect: 1.505, p0: 0.1, w: 0.138, flattening: 1.0 };
     /// The preset `gao2026-thresholds`, which meets the four printed thresholds within 0.3 %.
     pub const GAO2026_THRESHOLDS: Shell = Shell { aspect: 1.5, p0: 0.123, w: 0.1445, flattening: 1.0 };

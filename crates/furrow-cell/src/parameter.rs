@@ -1,4 +1,4 @@
-//! Every scalar of a cell by its name: what can be continued in, fitted, swept, or set from the command line.
+//! The scalars of a cell by name, which can be varied in continuation, fitted, swept, or set on the command line.
 
 use serde::{Deserialize, Serialize};
 
@@ -58,19 +58,19 @@ pub enum Parameter {
     NormalFriction,
     /// A quantity of one term of the cue.
     Cue {
-        /// Which term, from 0.
+        /// Index of the term, from 0.
         term: usize,
-        /// Which of its quantities.
+        /// The quantity of the term.
         quantity: Quantity,
     },
     /// A number of the cue's regulator.
     Regulator(RegulatorQuantity),
-    /// A constant of the cell's own law. Files name it as text alone, `law.NAME`.
+    /// A constant of the cell's law. In files it is always text, `law.NAME`.
     #[serde(skip_deserializing)]
     Law(ConstantName),
 }
 
-/// A name that is no parameter's.
+/// A name that does not denote a parameter.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{name:?} is not a parameter of a cell")]
 pub struct UnknownParameter {
@@ -79,8 +79,8 @@ pub struct UnknownParameter {
 }
 
 impl Parameter {
-    /// Names of the numbers of a cue, for listings: FIELD is any of [`Field::ALL`](super::cue::Field::ALL), and `cue` the first
-    /// term.
+    /// Names of the numbers of a cue, for listings: FIELD is any of [`Field::ALL`](super::cue::Field::ALL), and `cue` denotes the
+    /// first term.
     pub const OF_CUES: [&str; 11] = [
         "cue.u0",
         "cue.omega",
@@ -118,7 +118,7 @@ impl Parameter {
         ]
     };
 
-    /// The numbers of a cue: of its terms, then of its regulator. Constants of PAR polarity are not among them.
+    /// The numbers of a cue, first from its terms, then from its regulator, without the constants of PAR polarity.
     pub fn of_cue(cue: &Cue) -> Vec<Parameter> {
         let has = |term: usize| move |quantity: &Quantity| cue.terms()[term].quantity(*quantity).is_some();
         let of_term =
@@ -127,7 +127,7 @@ impl Parameter {
         (0..cue.terms().len()).flat_map(of_term).chain(of_regulator).collect()
     }
 
-    /// What errors say is allowed where a number of a cue is asked for that it does not have.
+    /// The allowed values named in errors if a requested number does not exist in a cue.
     pub fn allowed_of_cue(cue: &Cue) -> String {
         match (cue.terms().len(), cue.regulator()) {
             (0, None) => "a number of a cue, and none is given".to_owned(),
@@ -139,7 +139,7 @@ impl Parameter {
         }
     }
 
-    /// What errors say is allowed where a constant is asked for that the cell's law does not have.
+    /// The allowed values named in errors if a requested constant does not exist in the cell's law.
     pub fn allowed_of_law(cell: &Cell, asked: ConstantName) -> String {
         let Some(law) = &cell.law else { return "given with a law that has this constant".to_owned() };
         let known: Vec<&str> = law.parameters().map(Parameter::name).collect();
@@ -155,12 +155,12 @@ impl Parameter {
         matches!(self, Parameter::Cue { .. } | Parameter::Regulator(_))
     }
 
-    /// Its row in the table of parameters, with its name; `None` for a number of a cue or of a law.
+    /// Its row in the table of parameters, and its name; `None` for a number of a cue or of a law.
     fn row(self) -> Option<(&'static Number, &'static str)> {
         parameters().find(|(row, ..)| row.parameter == self).map(|(row, name, _)| (row, name))
     }
 
-    /// Its value, unless it is a quantity that the cell's cue or law does not have.
+    /// Its value; `None` for a quantity that the cell's cue or law lacks.
     fn read(self, cell: &Cell) -> Option<f64> {
         match self {
             Parameter::Cue { term, quantity } => cell.cue.terms().get(term)?.quantity(quantity),
@@ -170,17 +170,17 @@ impl Parameter {
         }
     }
 
-    /// Its value; 0 for a quantity that the cell's cue or law does not have.
+    /// Its value; 0 for a quantity that the cell's cue or law lacks.
     pub fn get(self, cell: &Cell) -> f64 {
         self.read(cell).unwrap_or(0.0)
     }
 
-    /// Whether the cell has it: false for quantities of terms that its cue does not have, and constants of another law.
+    /// Whether the cell has it: false for quantities of terms that its cue lacks, and for constants of another law.
     pub fn is_of(self, cell: &Cell) -> bool {
         self.read(cell).is_some()
     }
 
-    /// Sets it. A quantity that the cell's cue or law does not have is left alone.
+    /// Sets it. A quantity that the cell's cue or law lacks is ignored.
     pub fn set(self, cell: &mut Cell, value: f64) {
         let slot = match self {
             Parameter::Cue { term, quantity } => {
@@ -197,7 +197,7 @@ impl Parameter {
         }
     }
 
-    /// Checks a value. Of a quantity of a cue's profile, and of a law's constant, it need only be finite.
+    /// Checks a value. The value of a quantity of a cue's profile, or of a law's constant, need only be finite.
     ///
     /// # Errors
     /// The allowed values.
@@ -215,7 +215,7 @@ impl Parameter {
         }
     }
 
-    /// Its name in files and options; of a cue's quantity the quantity's alone, of a law's constant with `law.`.
+    /// Its name in files and options; for a cue's quantity only the name of the quantity, for a law's constant with the prefix `law.`.
     pub fn name(self) -> &'static str {
         match self {
             Parameter::Cue { quantity, .. } => quantity.name(),
@@ -239,7 +239,7 @@ impl std::fmt::Display for Parameter {
 impl std::str::FromStr for Parameter {
     type Err = UnknownParameter;
 
-    /// Reads a name; `cue.u0` is the first term's u0, `cue[1].u0` the second's, `regulator.kappa` the regulator's coupling to κ,
+    /// Parses a name; `cue.u0` is the first term's u0, `cue[1].u0` the second's, `regulator.kappa` the regulator's coupling to κ,
     /// `law.a` the constant a of the cell's law.
     fn from_str(text: &str) -> Result<Parameter, UnknownParameter> {
         let unknown = || UnknownParameter { name: text.to_owned() };

@@ -1,4 +1,4 @@
-//! Parameters as users give them: a RON file, then `--set key=value`, each field checked.
+//! User-defined parameters: a RON file, then `--set key=value`, with a check of each field.
 
 use std::ops::RangeInclusive;
 use std::path::Path;
@@ -12,14 +12,14 @@ pub use crate::value::Value;
 use crate::{Cell, Cue, Numerics, Parameter, RigidityGradient, SIZES, Scheme, ShellChoice, ZYGOTE};
 use furrow_input::{InputError, did_you_mean, parse_document, read_text, shown, shown_number};
 
-/// Parameters of a run, checked.
+/// Checked parameters of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// The cell, without a cue; of a tree the first one.
+    /// The cell, without a cue; for a tree the first cell.
     pub cell: Cell,
     /// Discretisation.
     pub numerics: Numerics,
-    /// ξ_b, if it was given instead of its ratio to ξ_s: it stays the same when [`set_number`](Settings::set_number) sets ξ_s.
+    /// ξ_b, if it was given instead of its ratio to ξ_s; it does not change when [`set_number`](Settings::set_number) sets ξ_s.
     pub xi_b: Option<f64>,
 }
 
@@ -30,7 +30,7 @@ impl Default for Settings {
     }
 }
 
-/// Presets by name: what differs from the first, as a configuration file says it.
+/// Presets by name: the differences from the first preset, as a configuration file.
 const PRESETS: [(&str, &str); 3] = [
     ("gao2026", "Config()"),
     ("gao2026-thresholds", include_str!("../presets/gao2026-thresholds.ron")),
@@ -42,9 +42,9 @@ pub fn presets() -> impl Iterator<Item = &'static str> {
     PRESETS.into_iter().map(|(name, _)| name)
 }
 
-/// A setter returns the allowed values if a value is of another kind.
+/// A setter returns the allowed values if a value has the wrong kind.
 type Set = fn(&mut Settings, &Value) -> Result<(), &'static str>;
-/// A check returns the invalid value and the allowed ones.
+/// A check returns the invalid value and the allowed values.
 type Valid = fn(&Settings) -> Option<(String, &'static str)>;
 
 struct Field {
@@ -72,7 +72,7 @@ pub(crate) struct Number {
     pub validate: fn(f64) -> Result<(), &'static str>,
 }
 
-/// The one table of parameters: RON files, `--set`, the checks, the listing and [`Parameter`] come from it.
+/// The table of parameters, from which RON files, `--set`, the checks, the listing and [`Parameter`] are generated.
 macro_rules! fields {
     ($($section:ident $overrides:ident $shown:literal $part:ident $([$beside:ident])? {
         $($name:ident $([$($alias:literal),*])? at $place:expr => $kind:ty $(as $parameter:ident)?, $allowed:literal, |$v:ident| $ok:expr;)*
@@ -194,7 +194,7 @@ impl Settings {
     /// ```
     ///
     /// # Errors
-    /// A name that is no preset's.
+    /// The name is not a preset.
     pub fn preset(name: &str) -> Result<Settings, InputError> {
         let Some((_, text)) = PRESETS.into_iter().find(|(known, _)| *known == name) else {
             let names: Vec<&str> = presets().collect();
@@ -206,7 +206,7 @@ impl Settings {
         Ok(settings)
     }
 
-    /// A preset with the parameters of a configuration file, if any, with the law of a file or of a name, if any, and then with
+    /// A preset with the parameters of a configuration file, if any, the law of a file or a name, if any, and then
     /// `overrides` of the form `key=value`.
     ///
     /// Keys are the fields of [`Cell`], its material and shell, the fields of [`Numerics`], and the aliases `xi`, `g`, `eps`, `a_over_b`, `P0` (the
@@ -237,7 +237,7 @@ impl Settings {
     pub fn apply_config(&mut self, text: &str, file: &str) -> Result<(), InputError> {
         let config: Config = parse_document(text, file, "a configuration", "Config")?;
         if let Some(table) = config.shell_profile {
-            // Beside the file that names it.
+            // The path is relative to the file that contains it.
             let folder = Path::new(file).parent().unwrap_or(Path::new(""));
             self.set_shell_profile(file, &Value::Text(table), folder)?;
         }
@@ -271,7 +271,7 @@ impl Settings {
         self.check(OVERRIDES)
     }
 
-    /// Applies settings and checks each field by itself: other fields may still change.
+    /// Applies settings and checks each field separately, since other fields may still change.
     ///
     /// # Errors
     /// Names the key, its value and the allowed ones.
@@ -280,12 +280,11 @@ impl Settings {
         self.check_fields(source_name)
     }
 
-    /// Sets fields by their [canonical names](canonical_name), in order; `xi_b` last, from the ξ_s that is then in force, and not beside
-    /// `xi_ratio`, which it sets.
-    /// Whether the values are allowed is left to [`check`](Self::check).
+    /// Sets fields by their [canonical names](canonical_name), in order; `xi_b` comes last, uses the final ξ_s, and excludes
+    /// `xi_ratio`, which it sets. [`check`](Self::check) checks the values.
     ///
     /// # Errors
-    /// A value of another kind than its field; errors say it came from `source_name`.
+    /// A value has the wrong kind for its field; errors name the source `source_name`.
     pub fn assign(&mut self, source_name: &str, pairs: &[(&str, Value)]) -> Result<(), InputError> {
         let given = |wanted: &str| pairs.iter().find(|(name, _)| *name == wanted);
         if let (Some((_, xi_b)), Some(_)) = (given(XI_B), given(XI_RATIO)) {
@@ -309,7 +308,7 @@ impl Settings {
         self.keep_xi_b(source_name)
     }
 
-    /// Sets the ratio ξ_b/ξ_s where ξ_b was given.
+    /// Sets the ratio ξ_b/ξ_s if ξ_b was given.
     fn keep_xi_b(&mut self, source_name: &str) -> Result<(), InputError> {
         let Some(xi_b) = self.xi_b else { return Ok(()) };
         let ratio = xi_b / self.cell.xi_s;
@@ -321,10 +320,10 @@ impl Settings {
         Ok(())
     }
 
-    /// Gives the shell the profile of a table in a folder, with its aspect ratio, or makes it the ellipsoid.
+    /// Sets the profile of the shell from a table in a folder, with its aspect ratio, or to the ellipsoid.
     ///
     /// # Errors
-    /// As [`ShellChoice::named`]. Errors say it came from `source_name`.
+    /// As [`ShellChoice::named`]. Errors name the source `source_name`.
     fn set_shell_profile(&mut self, source_name: &str, given: &Value, folder: &Path) -> Result<(), InputError> {
         let text = given.text();
         let refused = |allowed| InputError::not_allowed(source_name, SHELL_PROFILE, shown(&text), allowed);
@@ -344,7 +343,7 @@ impl Settings {
         Ok(())
     }
 
-    /// Sets one number by the name of its field, or of the law's constant, and checks it; errors say it came from `source_name`.
+    /// Sets one number by the name of its field, or of the law's constant, and checks it; errors name the source `source_name`.
     pub fn set_number(&mut self, source_name: &str, name: &str, value: f64) -> Result<(), InputError> {
         if let Some(constant) = ConstantName::read(name) {
             let set = self.set_constant(constant, &Value::Number(value));
@@ -365,7 +364,7 @@ impl Settings {
         Field::named(name).and_then(|field| (field.valid)(self)).map_or(Ok(()), |(_, allowed)| Err(allowed))
     }
 
-    /// Checks every field by itself; errors say the values came from `source_name`.
+    /// Checks every field separately; errors name the source `source_name`.
     pub fn check_fields(&self, source_name: &str) -> Result<(), InputError> {
         for field in FIELDS {
             if let Some((value, allowed)) = (field.valid)(self) {
@@ -376,7 +375,7 @@ impl Settings {
         Ok(())
     }
 
-    /// Checks every field, and whether they go together; errors say the values came from `source_name`.
+    /// Checks every field and their combinations; errors name the source `source_name`.
     pub fn check(&self, source_name: &str) -> Result<(), InputError> {
         self.check_fields(source_name)?;
         let Numerics { scheme, dt, modes, elements, contact, .. } = self.numerics;
@@ -394,7 +393,7 @@ impl Settings {
         self.check_shell(source_name)
     }
 
-    /// Refuses a law that is infinite with its constants, and one that needs an axis without axial symmetry.
+    /// Rejects a law that is not finite with its constants, and a law that needs axial symmetry in a cell without it.
     fn check_law(&self, source_name: &str) -> Result<(), InputError> {
         self.cell.check_law(source_name)?;
         let modes = self.numerics.modes;
@@ -404,20 +403,20 @@ impl Settings {
         Err(InputError::not_allowed(source_name, "modes", modes, allowed))
     }
 
-    /// Refuses a law of the cell's own, for computations with the paper's law alone.
+    /// Rejects a user-defined law, for computations that support only the paper's law.
     ///
     /// # Errors
-    /// Names the law; errors say that `what` was asked for.
+    /// Names the law; errors mention the requested `what`.
     pub fn check_paper_law(&self, what: &str) -> Result<(), InputError> {
         let Some(law) = &self.cell.law else { return Ok(()) };
         let allowed = format!("paper, the built-in law, for {what}");
         Err(InputError::not_allowed("--law", "law", shown(law.name()), allowed))
     }
 
-    /// Refuses a law of the cell's own and a shell with a profile, for computations with the paper's model alone.
+    /// Rejects a user-defined law and a shell with a profile, for computations that support only the paper's model.
     ///
     /// # Errors
-    /// Names the law or the profile; errors say that `what` was asked for.
+    /// Names the law or the profile; errors mention the requested `what`.
     pub fn check_paper_model(&self, what: &str) -> Result<(), InputError> {
         self.check_paper_law(what)?;
         let Some(profile) = &self.cell.shell_profile else { return Ok(()) };
@@ -425,10 +424,10 @@ impl Settings {
         Err(InputError::not_allowed("settings", SHELL_PROFILE, shown(profile.name()), allowed))
     }
 
-    /// Refuses a cue at one side of the axis, for cells with axial symmetry.
+    /// Rejects a one-sided cue for axisymmetric cells.
     ///
     /// # Errors
-    /// Names the cue; the values came from `source_name`.
+    /// Names the cue and the source `source_name`.
     pub fn check_cue(&self, source_name: &str, cue: &Cue) -> Result<(), InputError> {
         let fine = self.numerics.modes > 0 || !cue.is_one_sided();
         InputError::require(
@@ -440,12 +439,12 @@ impl Settings {
         )
     }
 
-    /// Checks whether the shell is round if cells have axial symmetry, and whether the mesh has enough intervals for the width of its wall, the same number of them for each part
-    /// of the contour that is as long as the wall is wide. With fewer, pitchforks were found off by more than 1e-4 (with 48 at
-    /// w = 0.01 by 5e-3, on the wrong side and of the wrong criticality).
+    /// Checks whether the shell is axisymmetric if cells are, and whether the mesh has enough intervals to resolve the width of its
+    /// wall: a fixed number of intervals per part of the contour as long as the wall is wide. With fewer, pitchforks were off by more
+    /// than 1e-4 (with 48 at w = 0.01 by 5e-3, on the wrong side and with the wrong criticality).
     ///
     /// # Errors
-    /// Says which w is wide enough for the intervals; the values came from `source_name`.
+    /// Gives the smallest w for the number of intervals, and the source `source_name`.
     pub fn check_shell(&self, source_name: &str) -> Result<(), InputError> {
         let (flattening, name) = (self.cell.shell.flattening, "physics.shell_flattening");
         let fine = flattening == 1.0 || self.numerics.modes >= 2;
@@ -465,9 +464,9 @@ impl Settings {
         Err(InputError::not_allowed(source_name, "physics.w", w, allowed))
     }
 
-    /// Checks whether divisions can be computed with these numerics; stationary shapes ask for less. The limits are those
-    /// within which cells of R0 from 1.6 to 5.4, with a cue and without, were found to divide or to come to rest as they do
-    /// with the preset's numerics.
+    /// Checks whether divisions can be computed with these numerics; stationary shapes require less. Within these limits,
+    /// cells of R0 from 1.6 to 5.4, with and without a cue, were found to divide or to come to rest as with the preset's
+    /// numerics.
     pub fn check_divisions(&self, source_name: &str) -> Result<(), InputError> {
         let Numerics { stages, intervals, step_factor, time_tolerance, .. } = self.numerics;
         let least = [160, 64, 32].get(stages.saturating_sub(1)).copied().unwrap_or(16);
@@ -483,22 +482,22 @@ impl Settings {
         Ok(())
     }
 
-    /// Refuses azimuthal modes, for commands with axisymmetric equations only.
+    /// Rejects azimuthal modes, for commands with axisymmetric equations.
     pub fn check_axisymmetric(&self, source_name: &str) -> Result<(), InputError> {
         let modes = self.numerics.modes;
         let allowed = "0: only divisions, trees, states at rest, phase diagrams and the boundary of division over R0 or ε can be computed without axial symmetry";
         InputError::require(modes == 0, source_name, "modes", modes, allowed)
     }
 
-    /// Checks the activity of a cell that is to be computed at it; errors say it came from `source_name`. Branches, curves
-    /// and diagrams run over ξ_s and take no notice of it.
+    /// Checks the activity of a cell for computations at this activity; errors name the source `source_name`. Branches, curves
+    /// and diagrams vary ξ_s and ignore it.
     pub fn check_activity(&self, source_name: &str) -> Result<(), InputError> {
         let Cell { xi_s, ref material, ref law, .. } = self.cell;
         if law.is_some() {
-            // What ξ_s means is up to the law.
+            // The meaning of ξ_s depends on the law.
             return Ok(());
         }
-        // What moves the cell is its active stress over its rigidity.
+        // The motion depends on the ratio of active stress to rigidity.
         let [least, most] = STRESS.map(|stress| stress * (material.kappa / material.gain));
         if (least..=most).contains(&xi_s) {
             return Ok(());
@@ -517,23 +516,23 @@ fn four_digits(value: f64) -> f64 {
     (value * scale).trunc() / scale
 }
 
-/// What errors call settings of the form `key=value`.
+/// The source of settings of the form `key=value` in errors.
 const OVERRIDES: &str = "--set";
 
 /// Parameters that override those in a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
-    /// What errors call their source.
+    /// Their source in errors.
     pub source_name: &'static str,
     /// Their [canonical names](canonical_name) and values, in the order in which they are set.
     pub pairs: Vec<(&'static str, Value)>,
 }
 
 impl Overrides {
-    /// Reads the entries of `--set`, each of the form `key=value`.
+    /// Parses the entries of `--set`, which have the form `key=value`.
     ///
     /// # Errors
-    /// An entry of another form, or an unknown key.
+    /// An entry has another form, or a key is unknown.
     pub fn read(entries: &[String]) -> Result<Overrides, InputError> {
         let pair = |entry: &String| {
             let bare = || InputError::not_allowed(OVERRIDES, "setting", format!("{entry:?}"), "of the form key=value");
@@ -550,7 +549,7 @@ pub(crate) fn parameters() -> impl Iterator<Item = (&'static Number, &'static st
     FIELDS.iter().flat_map(|field| field.parameter.iter().map(|number| (number, field.name, field.aliases)))
 }
 
-/// Sets `xi_ratio` from the ξ_s in force.
+/// The key that sets `xi_ratio` from the final ξ_s.
 const XI_B: &str = "xi_b";
 
 /// The number that `xi_b` sets.
@@ -561,11 +560,11 @@ pub fn number_set_by(name: &'static str) -> &'static str {
     if name == XI_B { XI_RATIO } else { name }
 }
 
-/// Sets the shell's profile from a table, and `aspect` with it.
+/// The key that sets the shell's profile from a table, and with it `aspect`.
 pub const SHELL_PROFILE: &str = "shell_profile";
 
-/// The name of the field that a key of `--set` means: an alias's own, and without the section before it. A constant of a law
-/// keeps its `law.`; whether the law has it is known when it is set.
+/// The name of the field for a key of `--set`: aliases are resolved and the section is removed. A constant of a law
+/// keeps its prefix `law.`; its existence is checked when it is set.
 ///
 /// ```
 /// use furrow_cell::settings::canonical_name;
@@ -575,7 +574,7 @@ pub const SHELL_PROFILE: &str = "shell_profile";
 /// ```
 ///
 /// # Errors
-/// Says which keys there are.
+/// Lists the keys.
 pub fn canonical_name(key: &str) -> Result<&'static str, String> {
     if let Some(name) = ConstantName::read(key) {
         return Ok(name.whole());
@@ -584,7 +583,7 @@ pub fn canonical_name(key: &str) -> Result<&'static str, String> {
         Some((section @ ("physics" | "numerics"), plain)) => (Some(section), plain),
         _ => (None, key),
     };
-    // The section that the key names, if it names one, must be the one the parameter is in.
+    // If the key has a section, the parameter must be in this section.
     let misplaced = |right: &str| section.is_some_and(|section| section != right);
     if let Some(name) = [XI_B, SHELL_PROFILE].into_iter().find(|name| *name == plain) {
         return if misplaced("physics") { Err(format!("physics.{name} or {name} alone")) } else { Ok(name) };
@@ -604,19 +603,19 @@ pub fn names() -> impl Iterator<Item = &'static str> + Clone {
     FIELDS.iter().map(|field| field.name).chain([XI_B, SHELL_PROFILE])
 }
 
-/// Intervals of the whole contour for a wall of width w = 1.
+/// Number of intervals of the whole contour for a wall of width w = 1.
 const INTERVALS_OF_WALL: f64 = 0.96;
 
-/// Most intervals that a mesh may begin with.
+/// Largest initial number of mesh intervals.
 pub const MOST_INTERVALS: usize = 4096;
 
 /// Values of ξ_b/ξ_s.
 const RATIOS: RangeInclusive<f64> = -1e6..=1e6;
 
-/// Least and largest active stress g ξ_s/κ, at which the first time steps still find their shapes.
+/// Smallest and largest active stress g ξ_s/κ for which the first time steps converge.
 const STRESS: [f64; 2] = [-150.0, 75.0];
 
-/// Every parameter by its name and value, by section: for reports.
+/// Names and values of all parameters by section, for reports.
 pub fn listing(settings: &Settings) -> Vec<(&'static str, &'static str, Value)> {
     FIELDS.iter().map(|field| (field.section, field.name, (field.get)(settings))).collect()
 }
@@ -625,7 +624,7 @@ pub fn listing(settings: &Settings) -> Vec<(&'static str, &'static str, Value)> 
 mod tests {
     use super::*;
 
-    /// A field added to the parameters must get its row in the table.
+    /// A new field of the parameters needs a row in the table.
     #[test]
     fn the_activity_of_total_curvature_is_kept_when_the_other_is_set_later() {
         let mut settings = Settings::default();

@@ -1,4 +1,4 @@
-//! The value of a parameter as users give it.
+//! The value of a parameter in the user's notation.
 
 use std::borrow::Cow;
 use std::fmt::{Display, Formatter};
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{RigidityGradient, Scheme};
 
-/// A number, or a text: a word where the parameter takes words, or what `--set` has after the `=`, which may be a number too.
+/// A number, or a text: a word if the parameter takes words, or the text after `=` in `--set`, which may also be a number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "expected a number, or a word in quotes")]
 pub enum Value {
@@ -20,7 +20,7 @@ pub enum Value {
 }
 
 impl Value {
-    /// As it is written.
+    /// The value as text.
     pub fn text(&self) -> Cow<'_, str> {
         match self {
             Value::Number(number) => Cow::Owned(number.to_string()),
@@ -28,7 +28,7 @@ impl Value {
         }
     }
 
-    /// The number that it is, or that its text says.
+    /// The value as a number, which may be parsed from text.
     pub fn number(&self) -> Option<f64> {
         match self {
             Value::Number(number) => Some(*number),
@@ -45,9 +45,9 @@ impl Display for Value {
 
 /// A kind of parameter.
 pub(crate) trait Kind: Sized {
-    /// Reads a value; `None` if it is of another kind.
+    /// Reads a value; `None` if it has another kind.
     fn of(value: &Value) -> Option<Self>;
-    /// As a value.
+    /// Converts to a value.
     fn value(self) -> Value;
 }
 

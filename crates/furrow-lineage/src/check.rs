@@ -14,16 +14,16 @@ use furrow_input::{InputError, did_you_mean, forbidden, listed, shown};
 
 type Checked = Result<(), InputError>;
 
-/// A lineage with the text it was read from.
+/// A lineage and the text from which it was read.
 pub(super) struct Check<'a> {
     pub lineage: &'a Lineage,
     pub text: &'a str,
-    /// What errors call the file.
+    /// The name of the file in errors.
     pub file: &'a str,
 }
 
-/// `file:line` of the `nth` founder of a name in a text of a file, from 0, where the line is found. It searches the whole text: for
-/// errors only.
+/// `file:line` of the `nth` founder of a name in the text of a file, counted from 0, if the line is found. It searches the whole
+/// text and is used only for errors.
 fn place([text, file]: [&str; 2], founder: &str, nth: usize) -> String {
     let quoted = format!("\"{founder}\"");
     let is_named = |(_, line): &(usize, &str)| {
@@ -36,7 +36,7 @@ fn place([text, file]: [&str; 2], founder: &str, nth: usize) -> String {
     }
 }
 
-/// Refuses a value of a founder's field in a text of a file.
+/// Rejects a value of a founder's field in the text of a file.
 pub(super) fn founder_error(
     of: [&str; 2],
     founder: &str,
@@ -62,13 +62,13 @@ fn span_complaint(span: Span) -> Option<(&'static str, String, String)> {
     (above >= below).then(|| ("above_r0", above.to_string(), format!("less than below_r0 = {below}")))
 }
 
-/// Numbers of minutes that a clock may have. With the limits of volumes and exponents no time overflows.
+/// Allowed numbers of minutes of a clock. With the limits on volumes and exponents no time overflows.
 const MINUTES: RangeInclusive<f64> = 1e-6..=1e6;
 
-/// The same in words.
+/// The same range in words.
 const MINUTES_ALLOWED: &str = "a number of minutes from 1e-6 to 1e6";
 
-/// Given parameters of a law of lifetimes, each with its field and the allowed values.
+/// The given parameters of a law of lifetimes, with their fields and the allowed values.
 fn law_ranges(
     lifetime_min: Option<f64>,
     at_volume: Option<f64>,
@@ -83,7 +83,7 @@ fn law_ranges(
     values.into_iter().filter_map(|(field, value, range, allowed)| Some((field, value?, range, allowed)))
 }
 
-/// What `volumes` of a clock may be.
+/// The allowed `volumes` of a clock.
 const VOLUMES_ALLOWED: &str = "the smallest and the largest volume, two fractions of the first cell's above 0";
 
 impl Check<'_> {
@@ -95,7 +95,7 @@ impl Check<'_> {
         founder_error([self.text, self.file], &f.name, field, value, allowed)
     }
 
-    /// Refuses a value of a field of the file unless it is right.
+    /// Rejects an invalid value of a field of the file.
     fn ensure(&self, ok: bool, field: &str, value: impl ToString, allowed: impl Into<String>) -> Checked {
         if ok { Ok(()) } else { Err(InputError::not_allowed(self.file, field, value, allowed)) }
     }
@@ -112,7 +112,7 @@ impl Check<'_> {
         self.ensure(false, field, shown(text), allowed)
     }
 
-    /// Checks a lineage that was parsed.
+    /// Checks a parsed lineage.
     pub fn run(&self) -> Checked {
         let lineage = self.lineage;
         let limits = lineage.limits;
@@ -197,13 +197,13 @@ impl Check<'_> {
         Ok(())
     }
 
-    /// Refuses volumes of a clock that are no range: gives them as text.
+    /// Rejects volumes of a clock that do not form a range; the error contains them as text.
     fn volumes(&self, given: Option<[f64; 2]>) -> Result<(), String> {
         let fit = |[least, most]: [f64; 2]| (1e-12..=most).contains(&least) && most.is_finite();
         given.filter(|range| !fit(*range)).map_or(Ok(()), |[least, most]| Err(format!("({least}, {most})")))
     }
 
-    /// The cues that the file names.
+    /// The cues named in the file.
     fn cues(&self) -> Checked {
         for (name, cue) in &self.lineage.cues {
             self.ensure(name != "none", "cues", "\"none\"", "another name: none is the absence of a cue")?;
@@ -328,10 +328,10 @@ impl Check<'_> {
         self.lineage.founders.iter().map(known).collect()
     }
 
-    /// Exactly one first cell, and every founder descends from it.
+    /// Checks that there is exactly one first cell and that every founder descends from it.
     fn one_tree(&self, mother: &[Option<usize>]) -> Checked {
         let founders = &self.lineage.founders;
-        // Founders known to reach the first cell; each is walked through once.
+        // Founders known to descend from the first cell; each is visited once.
         let mut reaches = vec![false; founders.len()];
         let mut walk = vec![usize::MAX; founders.len()];
         for start in 0..founders.len() {
@@ -361,7 +361,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    /// Below each founder: no founder, or a larger and a smaller one.
+    /// Checks that below each founder there is no founder, or a larger and a smaller one.
     fn pairs(&self, mother: &[Option<usize>]) -> Checked {
         let founders = &self.lineage.founders;
         let mut taken: HashMap<(usize, bool), usize> = HashMap::new();

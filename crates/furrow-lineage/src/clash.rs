@@ -1,11 +1,11 @@
-//! Founders' names that the naming rule may also give to another cell.
+//! Conflicts between founders' names and names from the naming rule.
 
-/// The first clash: founders (above, other) where the name of `other` is the name of `above` followed by letters that the naming
-/// rule gives to its descendants. Where a founder `has_listed` daughters, the list names them and not the rule. `letters`
-/// are the letters of a founder's descendants, by generation from 1.
+/// The first conflict: founders (above, other) such that the name of `other` is the name of `above` followed by letters that the
+/// naming rule gives to its descendants. If a founder `has_listed` daughters, their names come from the list instead of the rule.
+/// `letters` are the letters of a founder's descendants, by generation from 1.
 ///
-/// In sorted order, names that begin with a name follow it directly. One pass keeps the prefixes of the present name, each a
-/// prefix of the next, so that no more letters are read than the names have.
+/// In sorted order, the names that begin with a given name follow it directly. A single pass keeps the prefixes of the current
+/// name, each a prefix of the next, so that no more letters are read than the names have.
 pub(super) fn first(
     names: &[&str],
     has_listed: &[bool],
@@ -39,7 +39,7 @@ pub(super) fn first(
 mod tests {
     use super::*;
 
-    /// Compares all pairs, directly by the definition of a clash.
+    /// Compares all pairs, directly by the definition of a conflict.
     fn any_by_definition(names: &[&str], has_listed: &[bool]) -> bool {
         let below = |above: &str, name: &str| {
             name.len() > above.len() && name.starts_with(above) && name[above.len()..].chars().all(|c| "ap".contains(c))

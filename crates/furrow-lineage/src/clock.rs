@@ -1,4 +1,4 @@
-//! The clock: how long cells live, and the minutes at which the cells of a tree are born and divide.
+//! The clock: lifetimes of cells, and the times of birth and division of the cells of a tree in minutes.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -13,7 +13,7 @@ use furrow_input::{InputError, read_text, shown, unique_entries};
 /// Lifetimes in minutes by the names of cells.
 pub type Lifetimes = BTreeMap<String, f64>;
 
-/// How long cells live, from birth to division: `lifetime_min · (V / at_volume)^−exponent` minutes, with the volume V as a
+/// The law of lifetimes, from birth to division: `lifetime_min · (V / at_volume)^−exponent` minutes, with the volume V as a
 /// fraction of the first cell's.
 ///
 /// `L` is [`WrittenLifetimes`] while a file is read.
@@ -22,42 +22,42 @@ pub type Lifetimes = BTreeMap<String, f64>;
 pub struct Clock<L = Lifetimes> {
     /// Lifetime in minutes of a cell of the volume `at_volume`.
     pub lifetime_min: f64,
-    /// The volume that lives `lifetime_min`, as a fraction of the first cell's; 1 if not given.
+    /// The volume of cells with the lifetime `lifetime_min`, as a fraction of the first cell's; 1 if not given.
     #[serde(default = "whole", skip_serializing_if = "is_whole")]
     pub at_volume: f64,
-    /// Exponent; 0, which gives all cells one lifetime, if not given.
+    /// Exponent; if not given, 0, with which all cells have the same lifetime.
     #[serde(default)]
     pub exponent: f64,
-    /// The smallest and the largest volume that the law was fitted to, as fractions of the first cell's.
+    /// The smallest and the largest volume to which the law was fitted, as fractions of the first cell's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub volumes: Option<[f64; 2]>,
-    /// One τ in minutes. If it is given, the time from the start of a division to its pinch-off, `t_end` · `tau_min`, is added
-    /// to lifetimes by the law.
+    /// One τ in minutes. If it is given, the time from the start of a division to pinch-off, `t_end` · `tau_min`, is added
+    /// to the lifetimes of the law.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tau_min: Option<f64>,
     /// The event at minute 0; the birth of the first cell if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub origin: Option<Origin>,
-    /// Lifetimes of some cells, from birth to division, in place of the law.
+    /// Lifetimes of some cells, from birth to division, which override the law.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lifetimes: Option<L>,
 }
 
-/// The law of a founder and its descendants up to the next founder with a clock. A field that is not given is inherited from
-/// the nearest founder above that gives it, or from the file's clock.
+/// The law of a founder and its descendants up to the next founder with a clock. A missing field is inherited from the
+/// nearest founder above that has it, or from the file's clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FounderClock {
     /// As [`Clock::lifetime_min`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lifetime_min: Option<f64>,
-    /// As [`Clock::at_volume`]; 1 where `lifetime_min` is given without it.
+    /// As [`Clock::at_volume`]; 1 if only `lifetime_min` is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_volume: Option<f64>,
     /// As [`Clock::exponent`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exponent: Option<f64>,
-    /// As [`Clock::volumes`]; unknown where `lifetime_min` is given without it.
+    /// As [`Clock::volumes`]; unknown if only `lifetime_min` is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub volumes: Option<[f64; 2]>,
 }
@@ -98,10 +98,10 @@ fn is_whole(value: &f64) -> bool {
     *value == 1.0
 }
 
-/// Lifetimes as a file gives them.
+/// Lifetimes as written in a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WrittenLifetimes {
-    /// A table in a file, with the columns `cell` and `lifetime_min`. Its path is relative to the folder of the lineage file.
+    /// The path of a table with the columns `cell` and `lifetime_min`, relative to the folder of the lineage file.
     File(String),
     /// Minutes by name.
     Inline(Lifetimes),
@@ -130,12 +130,12 @@ impl<'de> Deserialize<'de> for WrittenLifetimes {
 }
 
 impl Clock<WrittenLifetimes> {
-    /// The clock with the lifetimes of its file, beside the lineage file `lineage`.
+    /// The clock with the lifetimes of its file, which is in the folder of the lineage file `lineage`.
     ///
     /// # Errors
     /// Names the file and its faulty line.
     pub(super) fn resolved(self, lineage: &str) -> Result<Clock, InputError> {
-        // Without `..`: the compiler asks for every field.
+        // There is no `..`, so that a new field is a compile error until it is handled.
         let Clock { lifetime_min, at_volume, exponent, volumes, tau_min, origin, lifetimes } = self;
         let lifetimes = match lifetimes {
             None => None,
@@ -149,7 +149,7 @@ impl Clock<WrittenLifetimes> {
     }
 }
 
-/// Reads the columns `cell` and `lifetime_min` (or in s or h) of a table; lines that begin with # are comments.
+/// Reads the columns `cell` and `lifetime_min` (or a lifetime in s or h) of a table; lines that begin with # are comments.
 fn read_lifetimes(text: &str, file: &str) -> Result<Lifetimes, InputError> {
     let mut table = Table::open(text.as_bytes(), file)?;
     let header = table.columns(|_| false)?;
@@ -189,15 +189,15 @@ fn read_lifetimes(text: &str, file: &str) -> Result<Lifetimes, InputError> {
 pub struct LifetimeLaw {
     /// Lifetime in minutes of a cell of the volume `at_volume`.
     pub lifetime_min: f64,
-    /// That volume, as a fraction of the first cell's.
+    /// The volume of cells with this lifetime, as a fraction of the first cell's.
     pub at_volume: f64,
     /// Exponent.
     pub exponent: f64,
-    /// The smallest and the largest volume that the law was fitted to, where they are known.
+    /// The smallest and the largest volume to which the law was fitted, if known.
     pub volumes: Option<[f64; 2]>,
 }
 
-/// Cells of one generation differ by less than half a division from a measured size of that generation: a factor √2 in volume.
+/// Margin of half a division, a factor √2 in volume: cells of a generation differ by less than this from its measured sizes.
 const HALF_A_DIVISION: f64 = std::f64::consts::SQRT_2;
 
 impl LifetimeLaw {
@@ -206,7 +206,7 @@ impl LifetimeLaw {
         self.lifetime_min * (volume / self.at_volume).powf(-self.exponent)
     }
 
-    /// Whether a volume is outside the range that the law was fitted to by more than half a division.
+    /// Whether a volume is outside the range to which the law was fitted by more than half a division.
     pub(crate) fn extrapolates_to(&self, volume: f64) -> bool {
         self.volumes.is_some_and(|[least, most]| volume * HALF_A_DIVISION < least || volume > most * HALF_A_DIVISION)
     }
@@ -232,8 +232,8 @@ impl Lineage {
         })
     }
 
-    /// The founder that a cell of that name is or descends from by the naming rule, the nearest one; `None` if no cell can have
-    /// the name.
+    /// The nearest founder from which a cell of this name descends by the naming rule, or the cell itself if it is a founder; `None`
+    /// if no cell can have the name.
     pub fn founder_of(&self, name: &str) -> Option<usize> {
         let below = self.daughters();
         (0..self.founders.len()).find(|&k| {
@@ -247,7 +247,7 @@ impl Lineage {
     }
 }
 
-/// When a cell is born and divides, in minutes from the origin of the lineage's clock.
+/// Times of birth and division of a cell, in minutes from the origin of the lineage's clock.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CellTimes {
     /// Birth.
@@ -255,7 +255,7 @@ pub struct CellTimes {
     /// Division; `None` for a cell without daughters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub division_min: Option<f64>,
-    /// Whether it divides after a lifetime by a law that was fitted to other sizes of cells.
+    /// Whether it divides after a lifetime from a law that was fitted to other sizes of cells.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub lifetime_extrapolated: bool,
 }
@@ -268,7 +268,7 @@ impl CellTimes {
 }
 
 impl Tree {
-    /// When each cell is born and divides, in the order of the cells; `None` if the lineage has no clock.
+    /// Times of birth and division of every cell, in the order of the cells; `None` if the lineage has no clock.
     pub fn times(&self) -> Option<Vec<CellTimes>> {
         let clock = self.lineage.clock.as_ref()?;
         let laws: Vec<LifetimeLaw> =
@@ -276,7 +276,7 @@ impl Tree {
         let mut times: Vec<CellTimes> = Vec::with_capacity(self.len());
         for id in self.cells() {
             let cell = self.cell(id);
-            // Mothers come before daughters.
+            // Mothers precede daughters.
             let birth_min = self.mother(id).and_then(|mother| times[mother.index()].division_min).unwrap_or(0.0);
             let divides = self.daughter_count(id) > 0;
             let law = &laws[cell.founder];
@@ -293,7 +293,7 @@ impl Tree {
         Some(times)
     }
 
-    /// The event at minute 0 of [`times`](Self::times): the origin of the clock where it takes place in this tree, else the
+    /// The event at minute 0 of [`times`](Self::times): the origin of the clock if it occurs in this tree, otherwise the
     /// birth of the first cell; `None` without a clock.
     pub fn time_origin(&self) -> Option<Origin> {
         let clock = self.lineage.clock.as_ref()?;
@@ -309,7 +309,7 @@ impl Tree {
         self.cells().find(|id| self.cell(*id).name == name)
     }
 
-    /// The minute of the origin, counted from the birth of the first cell; `None` if it does not take place.
+    /// The minute of the origin, counted from the birth of the first cell; `None` if it does not occur.
     fn origin_minute(&self, origin: Option<&Origin>, times: &[CellTimes]) -> Option<f64> {
         let origin = origin?;
         let of = times[self.cell_called(origin.cell())?.index()];
@@ -331,7 +331,7 @@ impl Clock {
     }
 }
 
-/// A number of cells at a time.
+/// The number of cells at one time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Alive {
     /// Minutes from the origin of the clock.
@@ -340,11 +340,11 @@ pub struct Alive {
     pub cells: usize,
 }
 
-/// Most intervals of [`alive`].
+/// Largest number of intervals of [`alive`].
 const INTERVALS: f64 = 100.0;
 
-/// The cells alive over time, from the first birth to the last division, at multiples of 1, 2, 5, 10, … minutes, at most about a
-/// hundred. Cells without daughters live on.
+/// The number of cells alive over time, from the first birth to the last division, at multiples of 1, 2, 5, 10, … minutes, with at
+/// most about a hundred values. Cells without daughters stay alive.
 pub fn alive(times: &[CellTimes]) -> Vec<Alive> {
     let mut births: Vec<f64> = times.iter().map(|cell| cell.birth_min).collect();
     let mut divisions: Vec<f64> = times.iter().filter_map(|cell| cell.division_min).collect();
@@ -362,13 +362,13 @@ pub fn alive(times: &[CellTimes]) -> Vec<Alive> {
     (0..=count).map(at).collect()
 }
 
-/// The least of 1, 2, 5, 10, 20, … that is not below a number.
+/// The smallest of 1, 2, 5, 10, 20, … that is not below a number.
 fn round_step(least: f64) -> f64 {
     let decade = 10_f64.powf(least.max(1.0).log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|k| k * decade).find(|step| *step >= least).unwrap_or(10.0 * decade)
 }
 
-/// The last division among the descendants of each founder, itself included, in minutes, in the order of the lineage's founders;
+/// The time in minutes of the last division among each founder and its descendants, in the order of the lineage's founders;
 /// `None` if neither the founder nor a descendant divides.
 pub fn last_divisions(tree: &Tree, times: &[CellTimes]) -> Vec<Option<f64>> {
     last_times(tree, times).into_iter().map(|last| last?.division_min).collect()
@@ -378,7 +378,7 @@ pub fn last_divisions(tree: &Tree, times: &[CellTimes]) -> Vec<Option<f64>> {
 pub fn last_times(tree: &Tree, times: &[CellTimes]) -> Vec<Option<CellTimes>> {
     let mut last: Vec<Option<CellTimes>> = vec![None; tree.len()];
     let later = |a: CellTimes, b: CellTimes| if b.division_min > a.division_min { b } else { a };
-    // From behind, daughters come before their mothers.
+    // In reverse order daughters precede their mothers.
     for id in tree.cells().rev() {
         let below = tree.daughters(id).into_iter().flatten().map(|daughter| last[daughter.index()]);
         let own = Some(times[id.index()]).filter(|times| times.division_min.is_some());

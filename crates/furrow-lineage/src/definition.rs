@@ -1,4 +1,4 @@
-//! The lineage file: founders, cues, naming, limits, and the observed counts they are set beside.
+//! The lineage file: founders, cues, naming, limits, and observed counts for comparison.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -16,7 +16,7 @@ use furrow_input::{did_you_mean, listed, shown, unique_map};
 /// The built-in lineage file, `lineages/c_elegans.ron`.
 pub const C_ELEGANS: &str = include_str!("../lineages/c_elegans.ron");
 
-/// A commented lineage file to begin with, `lineages/template.ron`.
+/// The commented template of a lineage file, `lineages/template.ron`.
 pub const TEMPLATE: &str = include_str!("../lineages/template.ron");
 
 /// Selects the cells that carry a cue: by generation, by size, or all.
@@ -52,13 +52,13 @@ impl CueRule {
     }
 }
 
-/// Limits that stop a lineage that does not end by itself.
+/// Limits for a lineage that would not end otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Limits {
-    /// Most generations below the first cell.
+    /// Largest number of generations below the first cell.
     pub max_depth: u32,
-    /// Most cells, all generations together.
+    /// Largest number of cells in all generations together.
     pub max_cells: usize,
 }
 
@@ -72,11 +72,11 @@ fn default_naming() -> (char, char) {
     ('a', 'p')
 }
 
-/// A lineage as its file gives it. [`Lineage::parse`] has checked it: one first cell, every mother and cue known, no
-/// cycle, either two founders or no founder below each founder, names that cannot clash.
+/// A lineage as defined by its file. [`Lineage::parse`] has checked it: there is one first cell, every mother and cue is known, there
+/// are no cycles, below each founder there are two founders or no founder, and names cannot conflict.
 ///
-/// While a file is read, `C` is a [`WrittenCue`](furrow_cell::cue::WrittenCue): its cues may be in µm and seconds; and `L` is
-/// [`WrittenLifetimes`](super::clock::WrittenLifetimes): lifetimes may be in a file of their own. `S` is the [`Founder`]'s.
+/// While a file is read, `C` is a [`WrittenCue`](furrow_cell::cue::WrittenCue), since cues may be in µm and seconds, and `L` is
+/// [`WrittenLifetimes`](super::clock::WrittenLifetimes), since lifetimes may be in a separate file. `S` is the parameter of [`Founder`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, bound(deserialize = "C: Deserialize<'de>, L: Deserialize<'de>, S: Deserialize<'de>"))]
 pub struct Lineage<C = Cue, L = Lifetimes, S = ShellChoice> {
@@ -105,21 +105,21 @@ pub struct Lineage<C = Cue, L = Lifetimes, S = ShellChoice> {
     /// counted from the first cell.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub physics_rules: Vec<PhysicsRule>,
-    /// Cells that die in place of dividing, by name, with `*` for any letters.
+    /// Names of cells that die instead of dividing, with `*` for any letters.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub dies: Vec<String>,
-    /// How long cells live; without it trees have no minutes.
+    /// The lifetimes of cells; without a clock trees have no minutes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clock: Option<Clock<L>>,
-    /// Founders, in the order tables list them.
+    /// Founders, in the order of the tables.
     pub founders: Vec<Founder<S>>,
-    /// How the file is written, as far as that is doubtful.
+    /// Suspicious features of the notation of the file.
     #[serde(skip)]
     pub written: Written,
 }
 
-/// How a lineage file is written. It is no part of the lineage: lineages that are written in other ways are equal, and other files do not
-/// have it.
+/// Features of the notation of a lineage file. They are not part of the lineage: lineages in different notations are equal, and other
+/// files do not store them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Written {
     /// Whether a cue has a number in µm.
@@ -154,7 +154,7 @@ pub fn matches(pattern: &str, name: &str) -> bool {
     true
 }
 
-/// Radius in L_h from which a plain number is more likely one of µm: a zygote has 5.4, and divisions above this take long.
+/// Radius in L_h above which a number without a unit is probably in µm: a zygote has 5.4, and divisions above this limit take long.
 const DOUBTFUL: f64 = 12.0;
 
 impl Lineage {
@@ -163,26 +163,26 @@ impl Lineage {
         self.founders.iter().position(|f| f.mother.is_none()).unwrap_or(0)
     }
 
-    /// L_h and τ; unknown where the file does not give them, but for the worm's L_h where a radius is in µm.
+    /// L_h and τ; unknown if the file does not give them, except that radii in µm imply the worm's L_h.
     pub fn units(&self) -> Units {
         let given = self.units.unwrap_or_default();
         self.founders.iter().filter_map(|founder| founder.r0).fold(given, Units::asked_in)
     }
 
-    /// The radius R0 that the file gives a founder, in L_h.
+    /// The radius R0 of a founder given in the file, in L_h.
     pub fn given_r0(&self, founder: usize) -> Option<f64> {
         self.founders[founder].r0.map(|length| length.in_units(&self.units()))
     }
 
-    /// Multiplies all radii that the file gives by a factor.
+    /// Multiplies all radii given in the file by a factor.
     pub fn scale_radii(&mut self, factor: f64) {
         let units = self.units();
         let of_founders = self.founders.iter_mut().filter_map(|founder| founder.r0.as_mut());
         of_founders.for_each(|r0| *r0 = Length::Natural(factor * r0.in_units(&units)));
     }
 
-    /// Radii given as plain numbers, which are in L_h, where a length in µm is more likely; a sentence for each. Only files
-    /// that give the length of L_h can confuse the two. For other files with radii in µm a message states the L_h that is used.
+    /// One sentence for each radius without a unit, and hence in L_h, that is more likely a length in µm. Only files
+    /// that give L_h can confuse the two. For other files with radii in µm a message states the L_h that is used.
     pub fn doubtful_radii(&self) -> Vec<String> {
         let units = self.units();
         if self.units.and_then(|units| units.length_um).is_none() && units.length_um.is_some() {
@@ -199,8 +199,8 @@ impl Lineage {
         self.founders.iter().filter_map(doubt).collect()
     }
 
-    /// Doubts about the file, a sentence for each: [`doubtful_radii`](Self::doubtful_radii), [`doubtful_sums`](Self::doubtful_sums), widths of cues in µm without a length
-    /// of L_h, and [`idle_rules`](Self::idle_rules).
+    /// Warnings about the file, one sentence each: [`doubtful_radii`](Self::doubtful_radii), [`doubtful_sums`](Self::doubtful_sums),
+    /// widths of cues in µm without a value of L_h, and [`idle_rules`](Self::idle_rules).
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = self.doubtful_radii();
         doubts.extend(self.doubtful_sums());
@@ -211,7 +211,7 @@ impl Lineage {
         doubts
     }
 
-    /// Says which L_h is taken where the file does not say how long it is, and something is in µm.
+    /// States the L_h that is used if the file does not give it but has lengths in µm.
     fn length_is_taken(&self, what: &str) -> String {
         let length = self.units().length_um();
         format!(
@@ -225,7 +225,7 @@ impl Lineage {
         if name == "none" { Some(Cue::none()) } else { self.cues.get(name).cloned() }
     }
 
-    /// Drops the radius that the file gives the first cell, where another one is to count.
+    /// Removes the given radius of the first cell, so that another one can be used.
     pub fn forget_first_radius(&mut self) {
         self.founders.iter_mut().filter(|founder| founder.mother.is_none()).for_each(|founder| founder.r0 = None);
     }
@@ -245,17 +245,17 @@ impl Lineage {
         self.founders[founder].growth.unwrap_or(1.0)
     }
 
-    /// Whether a cell dies in place of dividing.
+    /// Whether a cell dies instead of dividing.
     pub fn dies(&self, name: &str) -> bool {
         self.dies.iter().any(|pattern| matches(pattern, name))
     }
 
-    /// Divisions from the first cell to a founder.
+    /// Number of divisions from the first cell to a founder.
     pub fn generation(&self, founder: usize) -> u32 {
         self.mother(founder).map_or(0, |mother| 1 + self.generation(mother))
     }
 
-    /// Name of the cue that a cell at a place carries.
+    /// Name of the cue of a cell at a given place.
     pub(crate) fn cue_name_at(&self, place: Place) -> &str {
         let founder = &self.founders[place.founder];
         let (rules, generation) = match &founder.cue {
@@ -267,33 +267,33 @@ impl Lineage {
         rules.iter().find(|rule| rule.span().includes(generation, place.r0)).map_or("none", |rule| &rule.cue)
     }
 
-    /// The cue that a cell at a place carries.
+    /// The cue of a cell at a given place.
     pub fn cue_at(&self, place: Place) -> Cue {
         self.cue(self.cue_name_at(place)).unwrap_or_default()
     }
 
-    /// Whether a founder gives itself or descendants a cue that does something in a cell with the law of `cell`.
+    /// Whether a founder or its descendants have a cue with an effect in a cell with the law of `cell`.
     pub fn gives_cue(&self, founder: usize, cell: &Cell) -> bool {
         let founder = &self.founders[founder];
         let acts = |name: &String| self.cue(name).is_some_and(|cue| cell.clone().with_cue(cue).has_cue());
         founder.cue.iter().chain(founder.cue_rules.iter().map(|rule| &rule.cue)).any(acts)
     }
 
-    /// Whether every cue that a founder or a rule names is `none`.
+    /// Whether every cue named by a founder or a rule is `none`.
     pub fn is_without_cues(&self) -> bool {
         let of_founder = |founder: &Founder| without(founder.cue.iter()) && without(names(&founder.cue_rules));
         self.founders.iter().all(of_founder) && without(names(&self.cue_rules))
     }
 
-    /// The first cell and, from mother to daughter, the founders that are the smaller daughter: the line that has the cue in the
+    /// The first cell and the successive founders that are smaller daughters: the line that carries the cue in the
     /// built-in lineage.
     pub fn smaller_line(&self) -> Vec<usize> {
         let below = self.daughters();
         std::iter::successors(Some(self.first()), |&founder| below[founder].map(|(_, smaller)| smaller)).collect()
     }
 
-    /// The same lineage with another cue, under a name, in place of every cue that its founders or rules give. If they give no cue,
-    /// the founders of [`smaller_line`](Self::smaller_line) get it, and descendants up to the next founder inherit it.
+    /// The same lineage with every cue of its founders and rules replaced by another, named cue. If they have no cue,
+    /// the founders of [`smaller_line`](Self::smaller_line) get it, and their descendants up to the next founder inherit it.
     ///
     /// ```
     /// use furrow_cell::{Cell, Cue};
@@ -306,7 +306,7 @@ impl Lineage {
     pub fn with_cues_replaced(mut self, name: &str, cue: &Cue) -> Lineage {
         let (mut name, was_without) = (name.to_owned(), self.is_without_cues());
         if name != "none" {
-            // Another cue keeps its name.
+            // A different cue with this name is kept.
             while self.cues.get(&name).is_some_and(|other| other != cue) {
                 name.push('*');
             }
@@ -329,16 +329,15 @@ impl Lineage {
         self
     }
 
-    /// [`with_cues_replaced`](Self::with_cues_replaced) for cells like `cell`. If their law reads a regulator, it is a substance of every
-    /// cell: cells without the cue have its regulator, without a source that tells one pole from the
-    /// other, as the cue `regulator`.
+    /// [`with_cues_replaced`](Self::with_cues_replaced) for cells like `cell`. If their law uses a regulator, this is a substance in every
+    /// cell: cells without the cue have its regulator as the cue `regulator`, without a source that distinguishes the poles.
     pub fn with_cue_in_cells(self, name: &str, cue: &Cue, cell: &Cell) -> Lineage {
         let everywhere = cue.unpolarised().filter(|_| cell.law_reads_regulator() && name != "none");
         let mut lineage = self.with_cues_replaced(name, cue);
         if let Some(alone) = everywhere {
             let mut called = "regulator".to_owned();
             if alone == *cue {
-                // The replaced cue may have another name than the one asked for: any name of the same cue will do.
+                // The replaced cue may have a name other than the requested one; any name of the same cue is valid.
                 let same = lineage.cues.iter().find(|(_, other)| **other == alone).map(|(name, _)| name.clone());
                 called = same.unwrap_or(called);
             }
@@ -351,7 +350,7 @@ impl Lineage {
         lineage
     }
 
-    /// Gives a cue to all cells without one, except those that `cue_passes_to` leaves without theirs.
+    /// Gives a cue to all cells without one, except those that do not inherit a cue because of `cue_passes_to`.
     fn give_to_others(&mut self, cue: &str) {
         let others = |rules: &mut Vec<CueRule>| {
             rules.iter_mut().filter(|rule| rule.cue == "none").for_each(|rule| cue.clone_into(&mut rule.cue));
@@ -371,8 +370,8 @@ impl Lineage {
         }
     }
 
-    /// Sets a number of the cue that a founder names, in a copy of this cue that the founder alone has. A founder that names no cue, or
-    /// one without this number, stays as it is.
+    /// Sets a number of the cue of one founder, in a copy of this cue. Nothing changes if the founder has no cue, or if the cue lacks
+    /// this number.
     pub fn set_own_cue(&mut self, founder: usize, parameter: Parameter, value: f64) {
         let Founder { name, cue: Some(called), .. } = &self.founders[founder] else { return };
         let Some(cue) = self.cues.get(called).filter(|cue| parameter.is_of(&Cell::new(1.0).with_cue((*cue).clone())))
@@ -387,8 +386,8 @@ impl Lineage {
         self.founders[founder].cue = Some(own);
     }
 
-    /// [`with_cue_in_cells`](Self::with_cue_in_cells) like `cell` of a cue as users write it, `CUE` or `NAME=CUE` (see [`named_cue`]). A
-    /// cue of terms without a name is called `given`. Names of cues contain no blanks or quotes, so these become `-`.
+    /// [`with_cue_in_cells`](Self::with_cue_in_cells) like `cell`, for a cue in the user's notation, `CUE` or `NAME=CUE` (see
+    /// [`named_cue`]). An unnamed cue of terms is called `given`. Names of cues contain no blanks or quotes, so these become `-`.
     ///
     /// # Errors
     /// As [`parse_cue`](Self::parse_cue).
@@ -405,7 +404,7 @@ impl Lineage {
         Ok(self.clone().with_cue_in_cells(name, &cue, cell))
     }
 
-    /// Reads a cue as users write it: `none`, a name of this lineage, or terms, joined by `+`.
+    /// Parses a cue in the user's notation: `none`, a name of this lineage, or terms, joined by `+`.
     ///
     /// # Errors
     /// [`CueError`] names the part, its text and the allowed values.
@@ -422,7 +421,7 @@ impl Lineage {
         Cue::parse_with(text, &self.units().scale(), |name| self.cues.get(name).cloned())
     }
 
-    /// For each founder its listed daughters (larger, smaller).
+    /// The listed daughters (larger, smaller) of each founder.
     pub fn daughters(&self) -> Vec<Option<(usize, usize)>> {
         let index: HashMap<&str, usize> = self.founders.iter().enumerate().map(|(i, f)| (f.name.as_str(), i)).collect();
         let mut pairs = vec![(None, None); self.founders.len()];
@@ -454,7 +453,7 @@ fn without<'a>(mut names: impl Iterator<Item = &'a String>) -> bool {
     names.all(|name| name == "none")
 }
 
-/// Reads cues by name, and refuses duplicate names.
+/// Reads cues by name, and rejects duplicate names.
 pub(super) fn unique<'de, C: Deserialize<'de>, D: serde::Deserializer<'de>>(
     deserializer: D,
 ) -> Result<BTreeMap<String, C>, D::Error> {

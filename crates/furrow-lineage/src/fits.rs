@@ -1,4 +1,4 @@
-//! Whether the cells of a lineage can be computed with the settings of a run.
+//! Checks that the cells of a lineage can be computed with the settings of a run.
 
 use super::definition::{Lineage, names};
 use super::founder::Founder;
@@ -7,13 +7,13 @@ use furrow_cell::settings::Settings;
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_input::{InputError, shown};
 
-/// The parameters that limit one another where a cell is moved by its activity.
+/// Parameters that limit one another through the active stress.
 const OF_ACTIVITY: [Parameter; 3] = [Parameter::XiS, Parameter::Kappa, Parameter::Gain];
 
-/// The parameters that the discretisation limits.
+/// Parameters limited by the discretisation.
 const OF_SHELL: [Parameter; 2] = [Parameter::W, Parameter::Flattening];
 
-/// The same error for a field of another place.
+/// The same error for a field in another place.
 fn moved(error: InputError, field: impl FnOnce(&str) -> String) -> InputError {
     match error {
         InputError::NotAllowed { source_name, field: of_cell, value, allowed } => {
@@ -25,8 +25,8 @@ fn moved(error: InputError, field: impl FnOnce(&str) -> String) -> InputError {
 }
 
 impl Lineage {
-    /// Checks whether its cells can divide with the law of `cell`, which is one of the run, and with `numerics`; errors say they came
-    /// from `source_name`.
+    /// Checks whether its cells can divide with the law of `cell`, a cell of the run, and with `numerics`; errors name the source
+    /// `source_name`.
     ///
     /// # Errors
     /// Names the cue, founder or rule and the reason.
@@ -40,7 +40,7 @@ impl Lineage {
         cues.into_iter().try_for_each(|cue| cell.clone().with_cue(cue).check_law(source_name))
     }
 
-    /// Checks whether the shells and activities of its founders and rules go with `cell` and `numerics`; errors name `file`.
+    /// Checks whether the shells and activities of its founders and rules are compatible with `cell` and `numerics`; errors name `file`.
     ///
     /// # Errors
     /// Names the founder or rule, the field, its value and the allowed values.
@@ -59,7 +59,7 @@ impl Lineage {
         Ok(())
     }
 
-    /// Refuses flattened shells and cues at one side of the axis, for trees of cells with axial symmetry; errors name `file`.
+    /// Rejects flattened shells and one-sided cues for trees of axisymmetric cells; errors name `file`.
     ///
     /// # Errors
     /// Names the cue, the founder or the rule.
@@ -88,7 +88,7 @@ impl Lineage {
     }
 }
 
-/// Checks the shell and the activity of a founder's cells in a run; gives their settings.
+/// Checks the shell and the activity of a founder's cells in a run; returns their settings.
 fn check_founder(founder: &Founder, run: &Settings, source_name: &str) -> Result<Settings, InputError> {
     let mut own = run.clone();
     founder.apply(&mut own.cell);
@@ -98,7 +98,7 @@ fn check_founder(founder: &Founder, run: &Settings, source_name: &str) -> Result
     Ok(own)
 }
 
-/// Checks the values that rules give the cells of a run whatever their size and generation, as far as they depend on no other rule.
+/// Checks the values from rules that do not depend on size, generation or other rules.
 fn check_rules(rules: &[PhysicsRule], run: &Settings, source_name: &str, field: &str) -> Result<(), InputError> {
     let among = |parameters: &[Parameter]| rules.iter().filter(|rule| parameters.contains(&rule.parameter)).count();
     let alone = among(&OF_ACTIVITY) == 1;
@@ -113,7 +113,7 @@ fn check_rules(rules: &[PhysicsRule], run: &Settings, source_name: &str, field: 
     Ok(())
 }
 
-/// Checks the shell, the activity or both.
+/// Checks the shell, the activity, or both.
 fn check_set(settings: &Settings, [shell, activity]: [bool; 2], source_name: &str) -> Result<(), InputError> {
     if shell {
         settings.check_shell(source_name)?;

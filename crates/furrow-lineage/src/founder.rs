@@ -1,4 +1,4 @@
-//! A founder: a cell with a name and a row of the tables of its own.
+//! A founder: a named cell with its own row in tables.
 
 use std::ops::RangeInclusive;
 use std::path::Path;
@@ -17,7 +17,7 @@ use furrow_cell::settings::{SHELL_PROFILE, number_set_by};
 use furrow_cell::{Cell, Parameter, ShellChoice};
 use furrow_input::InputError;
 
-/// Which daughter of an unequal division a founder is. Of equal daughters the one listed first takes the first place.
+/// Which daughter of an unequal division a founder is. Of equal daughters the one listed first is the anterior.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Daughter {
@@ -28,7 +28,7 @@ pub enum Daughter {
 }
 
 impl Daughter {
-    /// The word for it.
+    /// The word in files.
     pub fn word(self) -> &'static str {
         match self {
             Daughter::Larger => "larger",
@@ -39,7 +39,7 @@ impl Daughter {
 
 /// One founder cell.
 ///
-/// `S` is a [`WrittenShell`] while a file is read: a table of its own is a file beside it.
+/// `S` is a [`WrittenShell`] while a file is read, since the shell may be a table in another file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, bound(deserialize = "S: Deserialize<'de>"))]
 pub struct Founder<S = ShellChoice> {
@@ -51,8 +51,8 @@ pub struct Founder<S = ShellChoice> {
     /// Which of the mother's daughters it is; given exactly when `mother` is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub daughter: Option<Daughter>,
-    /// Name of its cue, inherited by its descendants up to the next founder unless `inherit` says otherwise. Without it, and
-    /// without rules of its own, the file's `cue_rules` apply.
+    /// Name of its cue, inherited by its descendants up to the next founder unless `inherit` is false. Without it, and
+    /// without the founder's `cue_rules`, the file's rules apply.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cue: Option<String>,
     /// Whether its descendants inherit its cue.
@@ -62,41 +62,41 @@ pub struct Founder<S = ShellChoice> {
     /// one counts as the larger.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cue_passes_to: Option<Daughter>,
-    /// Most rounds of division of cells that `cue_passes_to` left without the cue, counted from the first of each line.
+    /// Largest number of rounds of cells without the cue because of `cue_passes_to`, counted from the first of each line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rounds_without_cue: Option<u32>,
-    /// In place of `cue`: the cues of the founder and its descendants, by the first rule that applies. Generations are
+    /// Instead of `cue`: the cues of the founder and its descendants, by the first rule that applies. Generations are
     /// counted from the founder.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cue_rules: Vec<CueRule>,
-    /// Radius R0 in place of the one its mother's division (or the physics, for the first cell) gives, in L_h, or in µm
-    /// where `units` say how long L_h is.
+    /// Radius R0, which replaces the one from the mother's division (or, for the first cell, from the physics), in L_h, or in µm
+    /// if `units` give L_h.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub r0: Option<Length>,
-    /// The shell of it and of its descendants up to the next founder, in place of the run's: the profile of a table with its aspect
-    /// ratio, or the ellipsoid with the run's.
+    /// The shell of the founder and its descendants up to the next founder, which replaces the run's: the profile of a table with its
+    /// aspect ratio, or the ellipsoid with the run's aspect ratio.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shell_profile: Option<S>,
-    /// Parameters of its own and of its descendants up to the next founder.
+    /// Parameters of the founder and its descendants up to the next founder.
     #[serde(default, skip_serializing_if = "FounderPhysics::is_empty")]
     pub physics: FounderPhysics,
-    /// Parameters of some of it and its descendants, by the first rule for each that applies, in place of the file's
+    /// Parameters of the founder and its descendants, for each parameter by the first rule that applies. They replace the file's
     /// `physics_rules`. Generations are counted from the founder.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub physics_rules: Vec<PhysicsRule>,
-    /// How long it and its descendants up to the next founder with a clock live.
+    /// Lifetimes of the founder and its descendants up to the next founder with a clock.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clock: Option<FounderClock>,
-    /// Letters (anterior, posterior) of the generations below it; the file's `naming` after these.
+    /// Letters (anterior, posterior) of the first generations below it; later generations use the file's `naming`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub letters: Vec<(char, char)>,
-    /// Most rounds of division of it and its descendants up to the next founder, as of a ganglion mother cell, which divides once.
+    /// Largest number of rounds of the founder and its descendants up to the next founder; 1 for a ganglion mother cell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub most_rounds: Option<u32>,
-    /// Volume at division divided by volume at birth, of it and its descendants up to the next founder; 1 if not given.
+    /// Volume at division divided by volume at birth, for the founder and its descendants up to the next founder; 1 if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub growth: Option<f64>,
-    /// Observed rounds; `sulston` is an older word for them.
+    /// Observed rounds; `sulston` is an older name of this field.
     #[serde(default, alias = "sulston", skip_serializing_if = "Option::is_none")]
     pub observed: Option<ObservedRounds>,
 }
@@ -147,14 +147,14 @@ impl<S> Founder<S> {
 }
 
 impl Lineage {
-    /// What errors say is allowed where a setting of the run, by its [canonical name](furrow_cell::settings::canonical_name), reaches no
-    /// cell of these lineages, since every founder has its own; `None` if a founder takes the run's.
+    /// The allowed values named in errors if a setting of the run, by its [canonical name](furrow_cell::settings::canonical_name), affects
+    /// no cell of these lineages because every founder sets its own; `None` if a founder uses the run's.
     pub fn allowed_of_run<'a>(lineages: impl IntoIterator<Item = &'a Lineage>, name: &'static str) -> Option<String> {
         let all: Option<Vec<String>> = lineages.into_iter().map(|lineage| lineage.only_own(name)).collect();
         all?.into_iter().next()
     }
 
-    /// Refuses settings of a run, each with its source, name and value, that reach [no cell](Self::allowed_of_run) of these lineages.
+    /// Rejects settings of a run (source, name and value) that affect [no cell](Self::allowed_of_run) of these lineages.
     ///
     /// # Errors
     /// Names the first of them.
@@ -172,7 +172,7 @@ impl Lineage {
     fn only_own(&self, name: &'static str) -> Option<String> {
         let name = number_set_by(name);
         let has_own = |founder: &Founder| match name.parse() {
-            // An ellipsoid has the aspect ratio of the run's table.
+            // An ellipsoid has the aspect ratio of the run, which its table may set.
             _ if name == SHELL_PROFILE => matches!(founder.shell_profile, Some(ShellChoice::Profile(_))),
             Ok(parameter) => founder.sets(parameter),
             Err(_) => false,
@@ -183,30 +183,30 @@ impl Lineage {
 }
 
 impl Founder {
-    /// Factors by which cells may grow between birth and division.
+    /// Allowed factors of growth between birth and division.
     pub const GROWTH: RangeInclusive<f64> = 0.01..=100.0;
 
-    /// Gives a cell its shell and its parameters. Its aspect ratio stretches its table.
+    /// Sets the shell and the parameters of a cell. The aspect ratio stretches the table.
     pub(super) fn apply(&self, cell: &mut Cell) {
         self.shell_profile.iter().for_each(|shell| shell.apply(cell));
         self.physics.apply(cell);
     }
 
-    /// Whether it sets a parameter, by a number or by its table.
+    /// Whether it sets a parameter, by a number or by a table.
     pub fn sets(&self, parameter: Parameter) -> bool {
         let profile = self.shell_profile.as_ref().and_then(ShellChoice::profile);
         self.physics.has(parameter) || parameter == Parameter::Aspect && profile.is_some()
     }
 
-    /// Its changes for itself and its descendants up to the next founder, each as `NAME = VALUE`.
+    /// The settings of the founder and its descendants up to the next founder, as `NAME = VALUE`.
     pub fn changes(&self) -> impl Iterator<Item = String> {
         let shell = self.shell_profile.iter().map(|shell| format!("shell_profile = {}", shell.described()));
         shell.chain(self.physics.values().map(|(name, value)| format!("{name} = {value}")))
     }
 
-    /// Overrides it by what another one gives, as a file with a base does.
+    /// Overrides its fields by those that another founder sets, for a file with a base.
     pub(super) fn replace(&mut self, with: Founder) {
-        // Without `..`: a new field does not compile until it is handled.
+        // There is no `..`, so that a new field is a compile error until it is handled.
         let Founder {
             name: _,
             mother,
@@ -228,7 +228,7 @@ impl Founder {
         } = with;
         self.mother = mother.or(self.mother.take());
         self.daughter = daughter.or(self.daughter);
-        // A cue and rules exclude each other, so that either takes the place of both.
+        // A cue and rules exclude each other, so either replaces both.
         if cue.is_some() || !cue_rules.is_empty() {
             (self.cue, self.cue_rules, self.inherit) = (cue, cue_rules, inherit);
         } else if !inherit {
@@ -262,7 +262,7 @@ fn is_yes(value: &bool) -> bool {
     *value
 }
 
-/// Founders with the tables of their shells, which are relative to the folder of a text's file.
+/// Founders with the tables of their shells. Paths of tables are relative to the folder of the file.
 ///
 /// # Errors
 /// Names the founder, or the table and its faulty line.

@@ -1,21 +1,21 @@
-//! Sizes that a lineage file gives founders, beside each other.
+//! Consistency of the sizes of founders given in a lineage file.
 
 use std::ops::RangeInclusive;
 
 use super::definition::Lineage;
 use furrow_input::shown;
 
-/// Volume of two daughters, as a share of the mother's, that errors of measurement may explain: a division keeps the volume.
+/// Total volume of two daughters relative to the mother's that measurement errors may explain; a division conserves volume.
 const KEPT: RangeInclusive<f64> = 0.8..=1.2;
 
 impl Lineage {
-    /// The volume at birth of a founder with a given radius, in volumes of a sphere of radius L_h. Cells have a given radius when they
-    /// divide.
+    /// The volume at birth of a founder with a given radius, in volumes of a sphere of radius L_h. The given radius is the one at
+    /// division.
     pub(super) fn given_at_birth(&self, founder: usize) -> Option<f64> {
         Some(self.given_r0(founder)?.powi(3) / self.growth(founder))
     }
 
-    /// Warnings of mothers with a given volume that differs from the sum of the given volumes of their daughters.
+    /// Warnings about mothers and daughters: the given volume of a mother should equal the sum of the given volumes of her daughters.
     pub fn doubtful_sums(&self) -> Vec<String> {
         let written = |founder: usize| self.founders[founder].r0.map_or(String::new(), |r0| format!("r0 = {r0}"));
         let name = |founder: usize| shown(&self.founders[founder].name);

@@ -1,4 +1,4 @@
-//! Growth of a tree: volumes are handed down, every cell's division is solved as soon as its mother's is.
+//! Growth of a tree: daughters inherit volumes, and every cell's division is solved as soon as its mother's is known.
 
 use std::borrow::Cow;
 use std::cmp::Ordering;
@@ -16,7 +16,7 @@ use furrow_cell::{Cell, Cue};
 use furrow_mechanics::critical::{CriticalRadii, Search};
 use furrow_mechanics::division::{Division, DivisionInput};
 
-/// Why a tree could not be grown.
+/// The reason why a tree could not be grown.
 #[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Debug, thiserror::Error)]
 pub enum GrowError {
@@ -54,24 +54,24 @@ pub struct Grower<'a> {
     pub lineage: &'a Lineage,
     /// Parameters of all divisions.
     pub settings: TreeSettings,
-    /// Ends branches ahead of their division.
+    /// The rule that ends branches without computing a division.
     pub ends: EndRule<'a>,
-    /// Remembers divisions.
+    /// The memo of divisions.
     pub memo: &'a Memo,
-    /// Threads, interruption, progress, order of work; for the last see [`expected_work`](super::expected_work).
+    /// Threads, interruption, progress and order of work; for the order see [`expected_work`](super::expected_work).
     pub options: SchedulerOptions<'a>,
 }
 
-/// A cell in the order of growth, which depends on timing.
+/// A cell, stored in the order of growth, which depends on timing.
 #[derive(Clone, Debug)]
 struct GrowingCell {
     name: String,
     place: Place,
     volume_fraction: f64,
     cue: Cue,
-    /// Parameters that rules give it.
+    /// Parameters set by rules.
     physics: Option<Box<FounderPhysics>>,
-    /// Whether its parameters are unlikely to occur in another cell.
+    /// Whether its parameters are unlikely to occur in other cells.
     is_single: bool,
     is_founder: bool,
     fate: Option<Fate>,
@@ -95,7 +95,7 @@ impl GrowingCell {
         }
     }
 
-    /// The same with the parameters that rules give it. If one is not allowed, the cell is undecided.
+    /// The same with the parameters set by rules. If one is not allowed, the cell is undecided.
     fn ruled(self, lineage: &Lineage, run: &Cell, mother: Option<Mother<'_>>) -> GrowingCell {
         let mut cell = Cell { r0: self.place.r0, cue: self.cue.clone(), ..run.clone() };
         match lineage.set_physics(self.place, &mut cell, mother) {
@@ -113,47 +113,49 @@ impl GrowingCell {
     }
 }
 
-/// Shared by trees that differ by the seed of their noise. Divisions without influence of the noise come from the first seed.
+/// State shared by trees that differ only in the seed of the noise. Divisions that do not depend on the noise come from the first
+/// seed.
 struct Sharing {
     /// Seed of the first tree.
     first: u64,
-    /// Divisions with that seed of cells that wait for one with another, and whether that with the next seed differs.
+    /// For cells that wait for a division with another seed: the division with the first seed, and whether that with the next seed
+    /// differs.
     waiting: HashMap<usize, (Division, bool)>,
 }
 
 struct Growth<'a> {
     grower: &'a Grower<'a>,
-    /// If this is one of several replicates.
+    /// State shared with other replicates, if there are any.
     sharing: Option<Sharing>,
-    /// Whether rules set parameters of cells.
+    /// Whether there are rules for parameters of cells.
     has_rules: bool,
-    /// The founders (larger, smaller) that each divides into.
+    /// The founders (larger, smaller) into which each founder divides.
     listed: Vec<Option<(usize, usize)>>,
     cells: Vec<GrowingCell>,
 }
 
-/// The division or the search that a cell needs before its fate is known.
+/// The division or the search that is needed to determine the fate of a cell.
 enum Request<'a> {
     Division(DivisionInput),
     Search(&'a CriticalRadii<'a>, Search),
 }
 
 impl Grower<'_> {
-    /// Grows the tree. Workers compute divisions that the memo lacks with `solve`, at the memo's rounding of R0. The tree
-    /// depends on the inputs alone, not on the number of threads or the state of the memo; the [`Summary`] counts the work.
+    /// Grows the tree. Workers use `solve` to compute divisions that are not in the memo, with the memo's rounding of R0. The tree
+    /// depends only on the inputs, not on the number of threads or the state of the memo; the [`Summary`] counts the work.
     ///
     /// # Errors
     /// A division that could not be computed, or interruption.
     pub fn grow(&self, solve: impl Solve) -> Result<(Tree, Summary), GrowError> {
         let (mut trees, summary) = grow_all(std::slice::from_ref(self), None, &solve)?;
-        // As many trees as growers: one.
+        // One grower gives one tree.
         Ok((trees.remove(0), summary))
     }
 }
 
 /// Grows several trees in one run. All their cells share a queue, so that no worker is idle while any tree has a division to
-/// solve, and a division that several trees need is solved once. Every tree is the same as grown alone; the [`Summary`]
-/// counts the work of all. The first grower's memo and options are used.
+/// solve, and a division needed by several trees is solved once. Every tree is identical to the same tree grown alone; the
+/// [`Summary`] counts the work of all. The first grower's memo and options are used.
 ///
 /// # Errors
 /// As [`Grower::grow`].
@@ -161,9 +163,9 @@ pub fn grow_together(growers: &[Grower<'_>], solve: impl Solve) -> Result<(Vec<T
     grow_all(growers, None, &solve)
 }
 
-/// As [`grow_together`], for trees that differ by the seed of their noise, to show the effect of chance. A division without
-/// influence of the noise is computed with `first_seed` and the next seed only, and where the two
-/// [agree](Division::agrees_with), all trees take the first. The tree of `first_seed` is the same as grown alone.
+/// As [`grow_together`], for trees that differ only in the seed of the noise, to show the effect of chance. Each division is computed
+/// with `first_seed` and the next seed; if the two [agree](Division::agrees_with), the noise has no influence and all trees use
+/// the first. The tree of `first_seed` is identical to the same tree grown alone.
 ///
 /// # Errors
 /// As [`Grower::grow`].
@@ -175,7 +177,7 @@ pub fn grow_replicates(
     grow_all(growers, Some(first_seed), &solve)
 }
 
-/// [`grow_together`] and [`grow_replicates`], not generic, so that it is compiled once.
+/// The non-generic part of [`grow_together`] and [`grow_replicates`], which is compiled only once.
 fn grow_all(
     growers: &[Grower<'_>],
     first_seed: Option<u64>,
@@ -198,12 +200,12 @@ fn grow_all(
 /// Trees that grow in one run. The scheduler's number of a job encodes the cell and its tree.
 struct Growths<'a> {
     trees: Vec<Growth<'a>>,
-    /// Searches for critical radii that were begun, and the jobs that wait for them.
+    /// Started searches for critical radii, and the jobs that wait for them.
     searches: Vec<(&'a CriticalRadii<'a>, Search, Vec<usize>)>,
 }
 
 impl<'a> Growths<'a> {
-    /// What follows from a job's division, or from the search that it waited for.
+    /// The jobs that follow from a job's division, or from the search for which it waited.
     fn expand(&mut self, id: usize, division: Option<&Division>) -> Vec<Step<'a>> {
         let (count, of) = (self.trees.len(), id % self.trees.len());
         if let Some(division) = division {
@@ -211,7 +213,7 @@ impl<'a> Growths<'a> {
             let Some(division) = tree.settled(id / count, division) else {
                 return self.step(id, None).into_iter().collect();
             };
-            // Cells beyond the limit are settled in the layout, in an order that does not depend on timing.
+            // Cells beyond the limit are removed in the layout, in an order that does not depend on timing.
             let has_room = tree.cells.len() + 2 <= tree.grower.lineage.limits.max_cells;
             let daughters = if has_room { tree.divide(id / count, &division) } else { None };
             return daughters.into_iter().flatten().filter_map(|cell| self.step(cell * count + of, None)).collect();
@@ -221,7 +223,7 @@ impl<'a> Growths<'a> {
         jobs.into_iter().filter_map(|id| self.step(id, Some(&search))).collect()
     }
 
-    /// The scheduler's next step for a job. `tried` is the search that was run for it.
+    /// The scheduler's next step for a job. `tried` is the search that has been run for it.
     fn step(&mut self, id: usize, tried: Option<&Search>) -> Option<Step<'a>> {
         let count = self.trees.len();
         let (radii, search) = match self.trees[id % count].request(id / count, tried)? {
@@ -248,13 +250,13 @@ fn completed(run: scheduler::Result<Summary>, mut undecided: impl FnMut(usize, S
     }
 }
 
-/// A cell's division with its smaller daughter on the side where it is in a tree of this seed.
+/// A cell's division with the smaller daughter on the side that applies in a tree of this seed.
 ///
-/// Where the poles of `cell` are alike the mechanics give χ and the side is random: drawn for each cell from the seed and its name,
-/// so that one record serves many cells and the tree is reproducible.
+/// If the poles of `cell` are equivalent, mechanics gives χ and the side is random. It is drawn for each cell from the seed and the
+/// cell's name, so that one record serves many cells and the tree is reproducible.
 pub fn oriented(division: &Division, cell: &Cell, name: &str, seed: u64) -> Division {
     let smaller_posterior = division.chi_signed().is_some_and(|chi| chi > 0.0);
-    // Whether the smaller daughter is the posterior one: a fair coin for every seed and name.
+    // Whether the smaller daughter is posterior, with probability ½ for every seed and name.
     let drawn = [&seed.to_le_bytes(), name.as_bytes()].concat();
     let is_posterior = || blake3::hash(&drawn).as_bytes()[0] & 1 == 0;
     let turned = cell.is_mirror_symmetric() && smaller_posterior != is_posterior();
@@ -274,8 +276,8 @@ impl<'a> Growth<'a> {
         Growth { grower, sharing: None, has_rules, listed: lineage.daughters(), cells: vec![first] }
     }
 
-    /// The division or the search that a cell needs; `None` if its fate is known without either and has been set. A search that was
-    /// `tried` and was interrupted is not tried again.
+    /// The division or the search that a cell needs; `None` if its fate is known without either and has been set. If the search
+    /// `tried` was interrupted, it is not repeated.
     fn request(&mut self, index: usize, tried: Option<&Search>) -> Option<Request<'a>> {
         let Grower { lineage, settings, ends, .. } = self.grower;
         let growing = &self.cells[index];
@@ -291,7 +293,7 @@ impl<'a> Growth<'a> {
             _ if most_rounds.is_some() => most_rounds.map(TerminalReason::most),
             EndRule::Dynamics => None,
             EndRule::Custom(rule) => rule(&cell),
-            // A search for the radius of cells with its parameters costs more than its division.
+            // A search for the critical radius with its parameters costs more than its division.
             EndRule::Thresholds(_) if growing.is_single => None,
             EndRule::Thresholds(rule) if !rule.decides(&cell, index == 0) => None,
             EndRule::Thresholds(rule) => match rule.radii.missing(&cell) {
@@ -317,8 +319,8 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// The division of a cell, once it is computed; `None` if another seed's division is needed first, to know whether the noise
-    /// matters.
+    /// The division of a cell, once it is computed; `None` if the division with another seed is needed first, to determine whether the
+    /// noise matters.
     fn settled<'d>(&mut self, index: usize, division: &'d Division) -> Option<Cow<'d, Division>> {
         let (own, asked) = (self.grower.settings.seed, self.seed(index));
         let Grower { lineage, settings, .. } = self.grower;
@@ -366,7 +368,7 @@ impl<'a> Growth<'a> {
         let volumes = fate.daughter_volumes(mother.volume_fraction)?;
         let founders = self.listed[mother.place.founder].filter(|_| mother.is_founder).map(|(larger, smaller)| {
             match volumes[0].total_cmp(&volumes[1]) {
-                // Of equal daughters the anterior is the founder listed first.
+                // If the daughters are equal, the founder listed first is anterior.
                 Ordering::Equal => [larger.min(smaller), larger.max(smaller)],
                 Ordering::Greater => [larger, smaller],
                 Ordering::Less => [smaller, larger],
@@ -382,7 +384,7 @@ impl<'a> Growth<'a> {
         Some(daughters.map(|daughter| daughter.ruled(lineage, &settings.cell, Some(mother))))
     }
 
-    /// A daughter. The volumes of both, anterior first, are parts of the first cell's; `founders` are the ones that they are.
+    /// A daughter. The volumes of both, anterior first, are fractions of the first cell's; `founders` are the founders that they are.
     fn daughter(
         &self,
         mother_index: usize,
@@ -394,7 +396,7 @@ impl<'a> Growth<'a> {
         let first_r0 = self.cells[0].place.r0;
         let (k, founder) = (side as usize, founders.map(|founders| founders[side as usize]));
         let fraction = volumes[k] * lineage.growth(founder.unwrap_or(mother.place.founder));
-        // V = 4πR0³/3, so R0 of the daughter follows from its share of the first cell's volume.
+        // V = 4πR0³/3, so R0 of the daughter follows from its fraction of the first cell's volume.
         let (mut r0, mut fraction) = (first_r0 * fraction.cbrt(), fraction);
         if let Some(given) = founder.and_then(|founder| lineage.given_r0(founder)) {
             (r0, fraction) = (given, (given / first_r0).powi(3));
@@ -416,7 +418,7 @@ impl<'a> Growth<'a> {
         let Grower { lineage, settings, .. } = self.grower;
         let max_cells = lineage.limits.max_cells;
         let mut tree: Option<Tree> = None;
-        // Cells with their mother in the tree; the number of cells queued so far.
+        // The queue of cells with their mothers in the tree, and the number of cells queued so far.
         let (mut queue, mut placed) = (VecDeque::from([(0, None)]), 1);
         while let Some((index, mother)) = queue.pop_front() {
             let has_room = placed + 2 <= max_cells;
@@ -444,11 +446,11 @@ impl<'a> Growth<'a> {
                 placed += 2;
             }
         }
-        // The queue began with the first cell.
+        // The queue started with the first cell.
         tree.ok_or(GrowError::Interrupted { solved: 0 })
     }
 
-    /// Solves one division by itself and adds the daughters.
+    /// Solves a single division and adds the daughters.
     fn settle(&mut self, index: usize, solve: &dyn Solve) -> Result<(), GrowError> {
         let options = SchedulerOptions { progress: None, ..self.grower.options };
         while let Some(input) = self.decide(index) {
@@ -468,7 +470,7 @@ impl<'a> Growth<'a> {
         Ok(())
     }
 
-    /// As [`need`](Self::need), with searches on this thread: no worker is busy.
+    /// As [`need`](Self::need), with searches on this thread, since no worker is busy.
     fn decide(&mut self, index: usize) -> Option<DivisionInput> {
         let mut tried = None;
         loop {

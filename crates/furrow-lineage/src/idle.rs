@@ -1,4 +1,4 @@
-//! Rules of a lineage that can never act.
+//! Rules of a lineage that can never apply.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use super::rules::{PhysicsRule, Span};
 use furrow_cell::{Cell, Parameter};
 use furrow_input::shown;
 
-/// A list of rules: its place in the file, its field, and the number and the cells of each rule.
+/// A list of rules: its position in the file, its field, and the parameter and the cells of each rule.
 struct Rules {
     place: String,
     field: &'static str,
@@ -16,7 +16,7 @@ struct Rules {
 }
 
 impl Rules {
-    /// The lists of the file, or of a founder.
+    /// The lists of rules of the file, or of a founder.
     fn of(place: &str, cue_rules: &[super::CueRule], physics_rules: &[PhysicsRule]) -> [Rules; 2] {
         let cues = cue_rules.iter().map(|rule| ("cue".to_owned(), rule.span())).collect();
         let physics = physics_rules.iter().map(|rule| (rule.parameter.to_string(), rule.span())).collect();
@@ -27,7 +27,7 @@ impl Rules {
         })
     }
 
-    /// A sentence for each rule that an earlier rule covers.
+    /// One sentence for each rule that cannot apply because an earlier rule covers all its cells.
     fn covered(&self) -> impl Iterator<Item = String> {
         self.all.iter().enumerate().filter_map(|(k, (sets, span))| {
             let earlier = self.all[..k].iter().position(|(other, wider)| other == sets && wider.covers(span))?;
@@ -40,14 +40,14 @@ impl Rules {
     }
 }
 
-/// Where a founder's fields are.
+/// The position of a founder's fields in the file.
 fn place_of(founder: &Founder) -> String {
     format!("founder {}: ", shown(&founder.name))
 }
 
 impl Lineage {
-    /// Rules that never act whatever the cells: an earlier rule applies to all their cells, or all founders have rules of their own. A
-    /// sentence for each.
+    /// Rules that can never apply, because an earlier rule covers all their cells or because all founders have rules. One sentence
+    /// for each.
     pub fn idle_rules(&self) -> Vec<String> {
         let of_founders = self
             .founders
@@ -65,11 +65,11 @@ impl Lineage {
         idle
     }
 
-    /// Rules that set a number which no cue of their cells has; a sentence for each.
+    /// Rules for a number that no cue of their cells has; one sentence for each.
     pub fn rules_without_cue(&self) -> Vec<String> {
         let of_file: Vec<&Founder> = self.founders.iter().filter(|founder| founder.physics_rules.is_empty()).collect();
         let names = of_file.iter().flat_map(|founder| self.cues_below(founder)).collect();
-        // Rules for no founder are named by `idle_rules`.
+        // Rules that apply to no founder are reported by `idle_rules`.
         let rules = if of_file.is_empty() { &[] } else { &self.physics_rules[..] };
         let mut idle = self.without_cue("", rules, &names);
         for founder in &self.founders {
@@ -79,7 +79,7 @@ impl Lineage {
         idle
     }
 
-    /// Names of the cues that a founder and its descendants up to the next founder may have.
+    /// Names of the possible cues of a founder and its descendants up to the next founder.
     fn cues_below<'a>(&'a self, founder: &'a Founder) -> impl Iterator<Item = &'a str> {
         let rules = match &founder.cue {
             _ if !founder.cue_rules.is_empty() => &founder.cue_rules[..],

@@ -2,13 +2,13 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`definition`], [`founder`], `read`, `check`, `clash`, `fits` | the lineage file: founders, cues, names, limits; reading it, checking it, also beside the settings of a run |
-//! | [`clock`] | how long cells live; births and divisions in minutes |
+//! | [`definition`], [`founder`], `read`, `check`, `clash`, `fits` | the lineage file: founders, cues, names, limits; checks |
+//! | [`clock`] | lifetimes of cells; births and divisions in minutes |
 //! | [`scenario`] | one of several lineages that are compared |
 //! | [`batch`] | the cache of divisions, the scheduler, phase diagrams |
-//! | [`rules`], `idle` | parameters of cells by generation, size and mother; rules that never act |
+//! | [`rules`], `idle` | parameters of cells by generation, size and mother; rules that can never apply |
 //! | [`observed`], [`physics`], [`units`] | observed counts and parameters of a founder, µm and minutes |
-//! | [`grow`] | growth: daughters inherit volumes; a division starts as soon as the mother's is solved |
+//! | [`grow`] | growth: daughters inherit volumes; a division starts as soon as the mother's is known |
 //! | [`thresholds`] | cells that are too small to divide |
 //! | [`priority`] | the order in which divisions are solved |
 //! | [`tree`] | the grown tree |

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Rounds of division from a founder to each terminal cell, as observed. Any of it may be unknown.
+/// Observed rounds of division from a founder to its terminal cells. Each number may be unknown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObservedRounds {
@@ -15,10 +15,10 @@ pub struct ObservedRounds {
     /// Most rounds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max: Option<u32>,
-    /// Generations, counted from the founder, that doubled fully.
+    /// Generations, counted from the founder, in which every cell divided.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub full_doublings: Option<u32>,
-    /// Terminal cells, deaths included.
+    /// Terminal cells, including deaths.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub terminal: Option<u32>,
     /// Terminal cells that die.

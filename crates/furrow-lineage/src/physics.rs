@@ -1,4 +1,4 @@
-//! Parameters that a founder changes for its part of the lineage.
+//! Parameters of a founder for its part of the lineage.
 
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -41,9 +41,9 @@ pub struct FounderPhysics {
 }
 
 impl FounderPhysics {
-    /// Its fields, with their parameters.
+    /// The fields and their parameters.
     fn slots(&mut self) -> [(Parameter, &mut Option<f64>); 15] {
-        // Without `..`: a new field does not compile until it has its parameter.
+        // There is no `..`, so that a new field is a compile error until it has a parameter.
         let FounderPhysics {
             xi_s,
             xi_ratio,
@@ -86,7 +86,7 @@ impl FounderPhysics {
         values.into_iter().filter_map(|(parameter, value)| Some((parameter, value?)))
     }
 
-    /// Sets a parameter. R0 and numbers of a cue are left alone.
+    /// Sets a parameter. R0 and numbers of a cue are ignored.
     pub fn set(&mut self, parameter: Parameter, value: f64) {
         self.slots().into_iter().filter(|(of, _)| *of == parameter).for_each(|(_, slot)| *slot = Some(value));
     }
@@ -106,7 +106,7 @@ impl FounderPhysics {
         self.values().next().is_none()
     }
 
-    /// Sets it in a cell.
+    /// Sets the parameters of a cell.
     pub fn apply(&self, cell: &mut Cell) {
         self.values().for_each(|(parameter, value)| parameter.set(cell, value));
     }

@@ -1,25 +1,25 @@
-//! Expected work below a cell, by which divisions are ordered.
+//! The expected work for a cell and its descendants, which determines the order of divisions.
 
 use furrow_mechanics::division::DivisionInput;
 
-/// Upper edge of the asymmetric window over its lower one, the critical radius, for the preset `gao2026`: 2.25 over 1.7.
-/// Other parameters move it a little, which costs a little time at most.
+/// Ratio of the upper edge of the asymmetric window to the lower one, the critical radius, for the preset `gao2026`: 2.25/1.7.
+/// It is slightly different for other parameters, which affects only the computing time.
 const WINDOW: f64 = 1.32;
-/// Work of a division in the window, in units of a symmetric one.
+/// Work of a division in the window, in units of a symmetric division.
 const SLOW: f64 = 2.5;
-/// Radius of half the volume, ½^{1/3}.
+/// Relative radius of a daughter with half the volume, ½^{1/3}.
 const HALF: f64 = 0.793_700_525_984_099_7;
-/// Radius of the larger daughter at χ = 0.8, 0.9^{1/3}.
+/// Relative radius of the larger daughter at χ = 0.8, 0.9^{1/3}.
 const LARGER: f64 = 0.965_489_384_605_629_7;
-/// Longer than any chain; it bounds the loop for infinite radii.
+/// A bound that exceeds the length of any chain; it ends the loop for infinite radii.
 const LONGEST_CHAIN: usize = 64;
 
 /// Expected work of a cell and the longest chain of divisions below it, in units of a symmetric division, for cells that
 /// come to rest undivided below the radius `critical`.
 ///
-/// Large cells halve. Below the upper edge of the asymmetric window a division costs two to three times as much and
-/// leaves a daughter almost as large as its mother, so that the longest chains lead through the window and are begun
-/// first. Cues are ignored. The order of work changes no result.
+/// Large cells divide into equal halves. Below the upper edge of the asymmetric window a division costs two to three times as much
+/// and produces a daughter almost as large as its mother, so the longest chains lead through the window and are started
+/// first. Cues are ignored. The order of work does not affect the results.
 pub fn expected_work(critical: f64) -> impl Fn(&DivisionInput) -> f64 {
     move |input| {
         let mut work = 1.0;

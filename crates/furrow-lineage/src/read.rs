@@ -1,4 +1,4 @@
-//! Reading a lineage file, whole or as what differs from another: `base: "c_elegans"`.
+//! Reading a lineage file, either complete or with the differences from another: `base: "c_elegans"`.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -29,13 +29,13 @@ impl Lineage {
         Lineage::parse(&read_text(path)?, &path.display().to_string())
     }
 
-    /// The lineage of a file if one is given, else the built-in one.
+    /// The lineage of a file if one is given, otherwise the built-in one.
     pub fn load(path: Option<&Path>) -> Result<Lineage, InputError> {
         path.map_or_else(Lineage::c_elegans, Lineage::read)
     }
 
-    /// Reads and checks a lineage from RON text; `file` is what errors call it. A text with `base: "c_elegans"` overrides
-    /// the built-in lineage of that name:
+    /// Reads and checks a lineage from RON text; `file` is its name in errors. A text with `base: "c_elegans"` overrides
+    /// parts of the built-in lineage of that name:
     ///
     /// ```
     /// use furrow_lineage::Lineage;
@@ -53,7 +53,7 @@ impl Lineage {
         checked(lineage, text, file)
     }
 
-    /// Checks a lineage that was not read by [`parse`](Self::parse); `file` is what errors call where it comes from.
+    /// Checks a lineage that was not read by [`parse`](Self::parse); `file` is the name of its source in errors.
     ///
     /// # Errors
     /// Names the founder, cue or field, its value and the allowed values.
@@ -71,7 +71,7 @@ fn checked(lineage: Lineage, text: &str, file: &str) -> Result<Lineage, InputErr
 fn whole(text: &str, file: &str) -> Result<Lineage, InputError> {
     let written: Lineage<WrittenCue, WrittenLifetimes, WrittenShell> =
         parse_document(text, file, "a lineage file", "Lineage")?;
-    // Without `..`: the compiler asks for every field.
+    // There is no `..`, so that a new field is a compile error until it is handled.
     let Lineage {
         name,
         citation,
@@ -127,7 +127,7 @@ fn in_units(
     cues.into_iter().map(converted).collect()
 }
 
-/// The built-in lineage that may be a base.
+/// The built-in lineages that may be a base.
 const BASE: &str = "c_elegans";
 
 /// Whether a file has a base; other fields are ignored.
@@ -137,7 +137,7 @@ struct Probe {
     base: Option<IgnoredAny>,
 }
 
-/// A file with a base. Fields that the file does not set keep the base's values.
+/// A file with a base. Missing fields keep the values of the base.
 #[derive(Deserialize)]
 #[serde(rename = "Lineage", deny_unknown_fields)]
 struct Differing {
@@ -147,7 +147,7 @@ struct Differing {
     naming: Option<(char, char)>,
     units: Option<Units>,
     limits: Option<Limits>,
-    /// Cues to add to the base's, or to replace cues of the same name.
+    /// Cues that are added to the base, or replace its cues of the same name.
     #[serde(default, deserialize_with = "unique")]
     cues: BTreeMap<String, WrittenCue>,
     /// Replace the base's rules, if any are given.
@@ -156,12 +156,12 @@ struct Differing {
     /// Replace the base's rules, if any are given.
     #[serde(default)]
     physics_rules: Vec<PhysicsRule>,
-    /// Replace the base's, if any are given.
+    /// Replace the base's `dies`, if any are given.
     #[serde(default)]
     dies: Vec<String>,
     /// Replaces the clocks of the base and of its founders.
     clock: Option<Clock<WrittenLifetimes>>,
-    /// Founders of the base by name, with what differs, and further ones.
+    /// Changes of founders of the base, by name, and additional founders.
     #[serde(default)]
     founders: Vec<Founder<WrittenShell>>,
 }
@@ -171,7 +171,7 @@ struct Differing {
 /// # Errors
 /// As [`Lineage::parse`].
 fn with_base(text: &str, file: &str) -> Result<Option<Lineage>, InputError> {
-    // Files are parsed twice only where the word occurs. The second parse reports malformed RON.
+    // Files are parsed twice only if they contain the word. The second parse reports malformed RON.
     if !text.contains("base") || !parse_ron::<Probe>(text, file).is_ok_and(|probe| probe.base.is_some()) {
         return Ok(None);
     }
@@ -218,7 +218,7 @@ impl Differing {
         }
         if let Some(clock) = clock {
             base.clock = Some(clock.resolved(file)?);
-            // Their laws are relative to a clock that is gone.
+            // Their laws are relative to a clock that no longer exists.
             base.founders.iter_mut().for_each(|founder| founder.clock = None);
         }
         let of_base = base.founders.len();
@@ -226,7 +226,7 @@ impl Differing {
         for founder in in_shells(founders, [text, file])? {
             match base.founders[..of_base].iter().position(|other| other.name == founder.name) {
                 None => base.founders.push(founder),
-                // A file without a base is refused for this by the check.
+                // In a file without a base this is an error of the check.
                 Some(k) if std::mem::replace(&mut changed[k], true) => {
                     let field = format!("founder {}", shown(&founder.name));
                     return Err(InputError::not_allowed(file, field, "(given twice)", "given once"));

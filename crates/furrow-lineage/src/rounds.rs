@@ -1,7 +1,7 @@
 //! Rounds of division per founder.
 //!
-//! "Rounds" has more than one reading; all are given: fewest, mean and most divisions from the founder to a terminal
-//! cell, and the number of generations, counted from the founder, that doubled fully.
+//! "Rounds" has several definitions, and all are computed: the fewest, mean and most divisions from the founder to a
+//! terminal cell, and the number of generations, counted from the founder, in which every cell divided.
 
 use super::tree::Tree;
 use furrow_mechanics::division::Outcome;
@@ -49,14 +49,15 @@ impl Count {
         }
     }
 
-    /// As rounds from a founder of that generation; `None` if it has no descendants, for example because it was never born.
+    /// Converted to rounds from a founder of the given generation; `None` if there are no cells, for example because the founder does
+    /// not exist in the tree.
     fn rounds(self, birth: u32) -> Option<Rounds> {
         let Count { terminal, sum, least, most, not_symmetric } = self;
         (terminal > 0).then(|| Rounds {
             min: least - birth,
             mean: (sum - u64::from(birth) * terminal) as f64 / terminal as f64,
             max: most - birth,
-            // The first generation with a terminal cell is the first that does not double fully.
+            // The first generation with a terminal cell is the first in which not every cell divides.
             full_doublings: least - birth,
             terminal: terminal as u32,
             symmetric: not_symmetric - birth,
@@ -64,7 +65,8 @@ impl Count {
     }
 }
 
-/// Rounds of every founder of the tree's lineage, in the file's order; `None` if it was never born. The work grows as the tree, however founders are nested.
+/// Rounds of every founder of the tree's lineage, in the file's order; `None` if the founder does not exist in the tree. The work is
+/// proportional to the size of the tree, even for deeply nested founders.
 pub fn founder_rounds(tree: &Tree) -> Vec<Option<Rounds>> {
     let founders = tree.lineage.founders.len();
     let mut counts = vec![Count::NONE; founders];
@@ -79,7 +81,7 @@ pub fn founder_rounds(tree: &Tree) -> Vec<Option<Rounds>> {
             count.not_symmetric = count.not_symmetric.min(generation);
         }
     }
-    // Each founder's descendants also descend from the founder above it: the last born are added first.
+    // Each founder's descendants also descend from the founder above it, so the last-born founders are added first.
     let birth = |k: usize| Some(tree.cell(tree.founder_cell(k)?).generation);
     let above = |k: usize| Some(tree.cell(tree.mother(tree.founder_cell(k)?)?).founder);
     let mut born: Vec<usize> = (0..founders).filter(|k| birth(*k).is_some()).collect();

@@ -9,22 +9,22 @@ use furrow_cell::{Cell, Cue, Parameter};
 use furrow_input::{did_you_mean, shown};
 use furrow_mechanics::division::{Division, Outcome};
 
-/// A cell's place in its lineage, as far as its cue depends on it.
+/// The properties of a cell in its lineage on which its cue may depend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// The founder it is or descends from, the nearest one (an index into the lineage's founders).
+    /// The nearest founder that it is or descends from (an index into the lineage's founders).
     pub founder: usize,
-    /// Divisions from that founder.
+    /// Number of divisions from that founder.
     pub round: u32,
-    /// Divisions from the first cell.
+    /// Number of divisions from the first cell.
     pub generation: u32,
     /// Radius R0, in L_h.
     pub r0: f64,
-    /// Divisions since its line was left without the founder's cue, which went to a sister; 0 while it has the cue.
+    /// Number of divisions since a sister inherited the founder's cue instead of its line; 0 while it has the cue.
     pub apart: u32,
 }
 
-/// The cells that a rule applies to.
+/// The cells to which a rule applies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
     /// First generation.
@@ -58,11 +58,11 @@ impl Span {
     }
 }
 
-/// The quantity that a rule counts.
+/// The quantity n of a rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Per {
-    /// The cell's generation, counted as the rule's `from_generation` is.
+    /// The cell's generation, counted like the rule's `from_generation`.
     Generation,
     /// The cell's radius R0, in L_h.
     R0,
@@ -90,7 +90,7 @@ pub struct PhysicsRule {
     /// The parameter: any but R0, also a number of the cue.
     #[serde(with = "parameter_name")]
     pub parameter: Parameter,
-    /// The start; if not given, the cell's own value, from the founder or else from the run.
+    /// The start; if not given, the cell's own value, from the founder or otherwise from the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
     /// It starts from the mother's value instead. The first cell keeps its own.
@@ -102,7 +102,7 @@ pub struct PhysicsRule {
     /// The increment; 0 if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub add: Option<f64>,
-    /// How often it is multiplied and added; once if not given.
+    /// The quantity n; n = 1 if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub per: Option<Per>,
     /// First generation it applies to; 0 if not given.
@@ -119,7 +119,7 @@ pub struct PhysicsRule {
     pub above_r0: Option<f64>,
 }
 
-/// A mother, as far as rules depend on her.
+/// The properties of a mother on which rules depend.
 #[derive(Clone, Copy, Debug)]
 pub struct Mother<'a> {
     /// Her parameters.
@@ -129,7 +129,7 @@ pub struct Mother<'a> {
 }
 
 impl<'a> Mother<'a> {
-    /// Of a cell with its division.
+    /// The properties of a cell with its division.
     pub fn of(cell: &'a Cell, division: Option<&Division>) -> Mother<'a> {
         // χ of equal daughters is only rounding error.
         let unequal = division.filter(|division| division.outcome() == Outcome::Asymmetric);
@@ -137,23 +137,23 @@ impl<'a> Mother<'a> {
     }
 }
 
-/// What rules make of a cell.
+/// The effect of rules on a cell.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ruled {
     /// The parameters that rules set, except numbers of the cue.
     pub physics: FounderPhysics,
-    /// Whether its parameters are unlikely to occur in another cell, as they depend on its size or its mother.
+    /// Whether its parameters are unlikely to occur in other cells, because they depend on its size or its mother.
     pub is_single: bool,
 }
 
 impl PhysicsRule {
-    /// The cells it applies to.
+    /// The cells to which it applies.
     pub fn span(&self) -> Span {
         let PhysicsRule { from_generation, to_generation, below_r0, above_r0, .. } = *self;
         Span { from_generation, to_generation, below_r0, above_r0 }
     }
 
-    /// The value for a cell; `None` if the cell keeps its own value, as a first cell without a mother does.
+    /// The value for a cell; `None` if the cell keeps its own value, for example the first cell if the rule needs a mother.
     fn value(&self, own: f64, generation: u32, r0: f64, mother: Option<Mother<'_>>) -> Option<f64> {
         let start = if self.from_mother { self.parameter.get(mother?.cell) } else { self.value.unwrap_or(own) };
         let (factor, add) = (self.factor.unwrap_or(1.0), self.add.unwrap_or(0.0));
@@ -168,7 +168,7 @@ impl PhysicsRule {
         })
     }
 
-    /// The value that it gives every cell it applies to; `None` if that depends on the cell.
+    /// The value for every cell to which it applies; `None` if the value depends on the cell.
     pub(super) fn fixed_value(&self) -> Option<f64> {
         let start = self.value.filter(|_| self.per.is_none())?;
         Some(start * self.factor.unwrap_or(1.0) + self.add.unwrap_or(0.0))
@@ -198,7 +198,7 @@ impl PhysicsRule {
 }
 
 impl Lineage {
-    /// [`Place::apart`] of a daughter of a cell of a founder, the larger or the smaller one.
+    /// [`Place::apart`] of the larger or the smaller daughter of a cell of a founder.
     pub fn apart(&self, founder: usize, of_mother: u32, is_larger: bool) -> u32 {
         let inherits = |heir| (heir == Daughter::Larger) == is_larger;
         match self.founders[founder].cue_passes_to {
@@ -215,12 +215,12 @@ impl Lineage {
         without.or(founder.most_rounds.filter(|most| place.round >= *most))
     }
 
-    /// Whether a cell's cue or parameters may depend on its mother's division, beside its size.
+    /// Whether a cell's cue or parameters may depend on its mother's division in addition to its size.
     pub fn depends_on_mothers(&self) -> bool {
         self.has_physics_rules() || self.founders.iter().any(|founder| founder.cue_passes_to.is_some())
     }
 
-    /// The rules for the parameters of a cell at a place, and the generation that they count.
+    /// The rules for the parameters of a cell at a place, and the generation used in them.
     fn physics_rules_at(&self, place: Place) -> (&[PhysicsRule], u32) {
         match &self.founders[place.founder].physics_rules[..] {
             [] => (&self.physics_rules, place.generation),
@@ -228,13 +228,13 @@ impl Lineage {
         }
     }
 
-    /// Whether rules set parameters of any cell.
+    /// Whether there are rules for parameters of any cell.
     pub fn has_physics_rules(&self) -> bool {
         !self.physics_rules.is_empty() || self.founders.iter().any(|founder| !founder.physics_rules.is_empty())
     }
 
-    /// A cell of a founder with the parameters of its division. Rules override the founder's parameters and shell, and these override the
-    /// run's.
+    /// A cell of a founder with the parameters of its division. Rules override the founder's parameters and shell, which override those
+    /// of the run.
     pub(super) fn parameters(
         &self,
         (founder, r0, cue): (usize, f64, &Cue),
@@ -247,11 +247,11 @@ impl Lineage {
         cell
     }
 
-    /// Sets the shell and the parameters that its founder and rules give a cell at a place: of each parameter by the first rule that applies. `cell`
-    /// has the parameters of the run, and the cue.
+    /// Sets the shell and the parameters of a cell at a place from its founder and the rules; for each parameter the first applicable
+    /// rule counts. `cell` has the parameters of the run, and the cue.
     ///
     /// # Errors
-    /// A rule gives a value that is not allowed: names the parameter, the value and the allowed values.
+    /// If the value of a rule is not allowed, names the parameter, the value and the allowed values.
     pub fn set_physics(&self, place: Place, cell: &mut Cell, mother: Option<Mother<'_>>) -> Result<Ruled, String> {
         self.founders[place.founder].apply(cell);
         let (rules, generation) = self.physics_rules_at(place);
@@ -277,7 +277,7 @@ impl Lineage {
     }
 }
 
-/// A parameter by its name, as `--set` and sweeps have it.
+/// A parameter by its name in `--set` and sweeps.
 mod parameter_name {
     use super::*;
 

@@ -1,19 +1,19 @@
-//! A lineage with its parameters, one of several that are grown and compared.
+//! Scenarios: lineages with parameters that are grown and compared.
 
 use super::{Lineage, TreeSettings};
 use furrow_cell::CueError;
 use furrow_input::{forbidden, shown};
 
-/// One lineage of several that are grown and compared.
+/// One of several lineages that are grown and compared.
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// Unique among the scenarios.
+    /// Name, unique among the scenarios.
     pub name: String,
     /// The name as a folder name, also unique.
     pub folder: String,
     /// Label of its lineage.
     pub label: String,
-    /// The cue that replaces every cue of the lineage, as it was asked for but without its name; `None` if the lineage keeps its own.
+    /// The cue that replaces every cue of the lineage, as given but without its name; `None` if the lineage keeps its own cues.
     pub cue: Option<String>,
     /// The lineage with that cue.
     pub lineage: Lineage,
@@ -29,10 +29,10 @@ impl Scenario {
     }
 }
 
-/// Longest name of a cue on the command line, in characters.
+/// Largest length of a cue's name on the command line, in characters.
 const LONGEST: usize = 60;
 
-/// Splits a cue as users write it, `NAME=CUE`, into its name and the cue. A name must not contain `: , +`, so
+/// Splits a cue in the user's notation, `NAME=CUE`, into name and cue. A name must not contain `: , +`, so
 /// `tension:gradient,amplitude=0.3` has no name.
 ///
 /// ```

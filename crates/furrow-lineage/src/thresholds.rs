@@ -1,4 +1,4 @@
-//! Which cells cannot divide, known before their division is computed.
+//! Cells that are known not to divide before their division is computed.
 
 use std::cell::RefCell;
 
@@ -7,56 +7,56 @@ use furrow_cell::{Cell, Cue};
 use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::equilibria::ShapeError;
 
-/// The rule that ends a branch before its division is computed.
+/// The rule that ends a branch without computing a division.
 #[derive(Clone, Copy)]
 pub enum EndRule<'a> {
-    /// No rule: every division is computed.
+    /// There is no rule; every division is computed.
     Dynamics,
-    /// Critical radii. Unknown ones are searched for on the workers.
+    /// Critical radii. Unknown ones are computed on the workers.
     Thresholds(&'a Thresholds<'a>),
-    /// A function, called on the thread that grows the tree.
+    /// A function that is called on the thread that grows the tree.
     Custom(&'a dyn Fn(&Cell) -> Option<TerminalReason>),
 }
 
-/// Which cells of a tree critical radii decide about. Divisions decide about the others.
+/// The cells of a tree for which critical radii are used. For other cells divisions are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scope {
     /// All cells.
     #[default]
     All,
-    /// The first cell only if its radius is known: its division costs less than a search, and if it fails there are no
-    /// other cells.
+    /// All cells, but the first cell only if the critical radius is known: its division costs less than a search, and if it fails
+    /// there are no other cells.
     FirstIfKnown,
     /// All cells but the first.
     AllButFirst,
-    /// Cells of known radius.
+    /// Cells with a known critical radius.
     Known,
 }
 
 /// A cell below the critical radius of its cue and constants does not divide.
 ///
-/// Where no critical radius is found, divisions are computed.
+/// If no critical radius is found, divisions are computed.
 #[derive(Debug)]
 pub struct Thresholds<'a> {
-    /// They may be searched for on any thread.
+    /// Critical radii, which may be computed on any thread.
     pub(super) radii: CriticalRadii<'a>,
     scope: Scope,
     unknown: RefCell<Vec<(Cue, ShapeError)>>,
 }
 
 impl<'a> Thresholds<'a> {
-    /// By the given radii.
+    /// Uses the given critical radii.
     pub fn new(radii: CriticalRadii<'a>) -> Thresholds<'a> {
         Thresholds { radii, scope: Scope::All, unknown: RefCell::default() }
     }
 
-    /// The same for fewer cells of a tree.
+    /// The same for a subset of the cells of a tree.
     #[must_use]
     pub fn with_scope(self, scope: Scope) -> Thresholds<'a> {
         Thresholds { scope, ..self }
     }
 
-    /// Whether a critical radius decides about a cell of a tree, its first one or another.
+    /// Whether a critical radius is used for a cell of a tree, which may be the first cell.
     pub(super) fn decides(&self, cell: &Cell, is_first: bool) -> bool {
         self.radii.apply_to(&cell.cue)
             && match self.scope {
@@ -67,11 +67,12 @@ impl<'a> Thresholds<'a> {
             }
     }
 
-    /// Why a cell cannot divide; `None` if it can, or if its division must be computed. It searches where it must.
+    /// The reason why a cell cannot divide; `None` if it can, or if its division must be computed. The critical radius is computed if
+    /// necessary.
     pub fn of(&self, cell: &Cell) -> Option<TerminalReason> {
         match self.radii.ends(cell) {
             Ok(end) => end.map(TerminalReason::from),
-            // An interrupted search is no property of the cue.
+            // An interruption of the search is not a property of the cue.
             Err(ShapeError::Interrupted) => None,
             Err(error) => {
                 let mut unknown = self.unknown.borrow_mut();
@@ -83,17 +84,17 @@ impl<'a> Thresholds<'a> {
         }
     }
 
-    /// Whether it is known for cells like this one that there is a critical radius, or that there is no such radius.
+    /// Whether the critical radius of cells like this one, or its absence, is known.
     pub fn knows(&self, cell: &Cell) -> bool {
         self.radii.knows(cell)
     }
 
-    /// The radius below which cells like `cell`, but without a cue, do not divide, where it is known.
+    /// The radius below which cells like `cell`, but without a cue, do not divide, if it is known.
     pub fn critical_radius(&self, cell: &Cell) -> Option<f64> {
         self.radii.known_radius(&cell.clone().with_cue(Cue::none()))
     }
 
-    /// Cues without a known critical radius, because the search for it failed, and the reason.
+    /// Cues for which the search for a critical radius failed, and the reason.
     pub fn unknown(&self) -> Vec<(Cue, ShapeError)> {
         self.unknown.borrow().clone()
     }

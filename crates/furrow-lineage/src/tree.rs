@@ -14,25 +14,25 @@ use furrow_cell::{Cell, Cue, Numerics, ZYGOTE};
 use furrow_mechanics::critical::{BoundaryKind, End};
 use furrow_mechanics::division::{Division, Outcome};
 
-/// Why a cell has no daughters.
+/// The reason why a cell has no daughters.
 #[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 #[serde(tag = "reason", rename_all = "snake_case", deny_unknown_fields)]
 pub enum TerminalReason {
-    /// Its division was computed and came to rest, undivided, in a stable shape.
+    /// In its computed division it came to rest undivided, in a stable shape.
     AtRest { growth_rate: Option<f64> },
-    /// No cue, and R0 below the critical radius at which the pitchfork lies at the cell's activity.
+    /// It has no cue, and R0 is below the critical radius at which the pitchfork is at the cell's activity.
     BelowPitchfork { r0_c: f64 },
-    /// A cue, and R0 below the radius at which the fold of the cued branch lies at the cell's activity.
+    /// It has a cue, and R0 is below the radius at which the fold of the cued branch is at the cell's activity.
     BelowCuedFold { r0: f64 },
-    /// Without axial symmetry, R0 below the critical radius at which bent states lose their stability at the cell's activity.
+    /// Without axial symmetry, R0 is below the critical radius at which bent states become unstable at the cell's activity.
     BelowBentBoundary { r0_c: f64 },
-    /// Its division could not be computed: whether it divides is not known.
+    /// Its division could not be computed, so it is unknown whether it divides.
     Undecided { why: String },
-    /// The lineage file says that it dies.
+    /// It dies, according to the lineage file.
     Dies,
-    /// Its founder's `most_rounds` are reached.
+    /// Its founder's `most_rounds` is reached.
     MostRounds { most_rounds: u32 },
     /// The lineage file's `limits.max_depth` is reached.
     MaxDepth { max_depth: u32 },
@@ -41,12 +41,12 @@ pub enum TerminalReason {
 }
 
 impl TerminalReason {
-    /// Of a founder's `most_rounds`.
+    /// The reason for a founder's `most_rounds`.
     pub(crate) fn most(most_rounds: u32) -> TerminalReason {
         TerminalReason::MostRounds { most_rounds }
     }
 
-    /// True if mechanics say that the cell does not divide. Limits, the lineage file and failed computations say nothing of it.
+    /// True if the cell does not divide for mechanical reasons, rather than because of limits, the lineage file or failed computations.
     fn is_mechanical(&self) -> bool {
         match self {
             TerminalReason::AtRest { .. }
@@ -111,7 +111,7 @@ impl From<End> for TerminalReason {
     }
 }
 
-/// What becomes of a cell.
+/// The fate of a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fate {
     /// It has two daughters.
@@ -120,7 +120,7 @@ pub enum Fate {
     Terminal {
         /// Why.
         reason: TerminalReason,
-        /// Its division, where one was computed: it came to rest.
+        /// Its division, if computed, in which it came to rest.
         division: Option<Division>,
     },
 }
@@ -145,7 +145,7 @@ impl From<TerminalReason> for Fate {
 }
 
 impl Fate {
-    /// Its division, where one was computed.
+    /// Its division, if computed.
     pub fn division(&self) -> Option<&Division> {
         match self {
             Fate::Divides(division) => Some(division),
@@ -158,7 +158,7 @@ impl Fate {
         if let Fate::Terminal { reason, .. } = self { Some(reason) } else { None }
     }
 
-    /// How its division ended; `None` for an undecided cell, and for one that a limit or the lineage file stopped.
+    /// The outcome of its division; `None` for an undecided cell, and for a cell stopped by a limit or the lineage file.
     pub fn outcome(&self) -> Option<Outcome> {
         match self {
             Fate::Terminal { reason, division: None } => reason.is_mechanical().then_some(Outcome::Arrested),
@@ -176,8 +176,8 @@ impl Fate {
         self.division().map(|division| division.t_end)
     }
 
-    /// Volumes of the anterior and the posterior daughter of a mother of volume `mother`; `None` if it does not divide. They
-    /// sum to `mother` to rounding, and are equal to the last bit where the division is symmetric.
+    /// Volumes of the anterior and the posterior daughter of a mother of volume `mother`; `None` if it does not divide. Their sum is
+    /// `mother` to rounding error, and they are equal to the last bit if the division is symmetric.
     pub fn daughter_volumes(&self, mother: f64) -> Option<[f64; 2]> {
         let Fate::Divides(division) = self else { return None };
         let [posterior, _] = division.shares()?;
@@ -190,19 +190,19 @@ impl Fate {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
-    /// From u above the furrow.
+    /// The side of larger u.
     Anterior,
-    /// From u below the furrow.
+    /// The side of smaller u.
     Posterior,
 }
 
 impl Side {
-    /// Whether it is the larger of two daughters of these volumes, anterior first. Of equal ones the anterior counts as larger.
+    /// Whether it is the larger of two daughters of these volumes, anterior first. Of equal daughters the anterior counts as larger.
     pub fn is_larger(self, [anterior, posterior]: [f64; 2]) -> bool {
         (self == Side::Anterior) == (anterior >= posterior)
     }
 
-    /// As an adjective in drawings.
+    /// The adjective used in drawings.
     pub fn adjective(self) -> &'static str {
         match self {
             Side::Anterior => "anterior, ",
@@ -216,9 +216,9 @@ impl Side {
 pub struct TreeCell {
     /// Name, unique in the tree.
     pub name: String,
-    /// The founder it is or descends from, the nearest one (an index into the lineage's founders).
+    /// The nearest founder that it is or descends from (an index into the lineage's founders).
     pub founder: usize,
-    /// Divisions from the first cell.
+    /// Number of divisions from the first cell.
     pub generation: u32,
     /// Radius R0 of the sphere with the cell's volume, in L_h.
     pub r0: f64,
@@ -226,18 +226,18 @@ pub struct TreeCell {
     pub volume_fraction: f64,
     /// Polarity cue.
     pub cue: Cue,
-    /// Parameters from rules, which override the founder's and the run's.
+    /// Parameters set by rules, which override the founder's and the run's.
     pub physics: Option<Box<FounderPhysics>>,
     /// Its fate.
     pub fate: Fate,
 }
 
-/// A cell's place in a tree, counted in breadth-first order from the first cell, 0.
+/// The index of a cell in breadth-first order; the first cell has 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CellId(NodeIndex);
 
 impl CellId {
-    /// As a number, for tables by cell.
+    /// The index as a number, for tables by cell.
     pub fn index(self) -> usize {
         self.0.index()
     }
@@ -250,7 +250,7 @@ pub struct TreeSettings {
     pub seed: u64,
     /// Relative step to which R0 is rounded before a division is solved; 0 without rounding.
     pub r0_step: f64,
-    /// Radius of the first cell; confinement, activity, material and shell of all. Cues are the lineage's.
+    /// Radius of the first cell, and confinement, activity, material and shell of all cells. Cues come from the lineage.
     pub cell: Cell,
     /// Discretisation.
     pub numerics: Numerics,
@@ -264,24 +264,24 @@ impl Default for TreeSettings {
     }
 }
 
-/// A grown lineage. Cells are in breadth-first order, the anterior daughter before the posterior, whatever the order
+/// A grown lineage. Cells are in breadth-first order, the anterior daughter before the posterior one, independent of the order
 /// in which they were solved.
 ///
 /// # Examples
-/// [`Grower`](super::Grower) grows one.
+/// [`Grower`](super::Grower) has an example.
 #[derive(Clone, Debug)]
 pub struct Tree {
     /// Its lineage.
     pub lineage: Lineage,
     /// Parameters of its divisions.
     pub settings: TreeSettings,
-    /// Edges from mother to daughter. A node's index is its place in breadth-first order.
+    /// Edges from mother to daughter. The index of a node is its index in breadth-first order.
     graph: DiGraph<TreeCell, Side>,
     founder_cells: Vec<Option<CellId>>,
 }
 
 impl Tree {
-    /// A tree of the first cell alone.
+    /// A tree of only the first cell.
     pub fn new(lineage: Lineage, settings: TreeSettings, first: TreeCell) -> Tree {
         let (mut founder_cells, mut graph) = (vec![None; lineage.founders.len()], DiGraph::new());
         let founder = first.founder;
@@ -289,8 +289,8 @@ impl Tree {
         Tree { lineage, settings, graph, founder_cells }
     }
 
-    /// Adds a daughter, after all cells of earlier generations and after its anterior sister. `is_founder`: it is the
-    /// founder `cell.founder` itself.
+    /// Adds a daughter, which must come after all cells of earlier generations and after its anterior sister. `is_founder` says that it
+    /// is the founder `cell.founder` itself.
     pub fn add(&mut self, mother: CellId, side: Side, cell: TreeCell, is_founder: bool) -> CellId {
         let founder = cell.founder;
         let id = CellId(self.graph.add_node(cell));
@@ -306,7 +306,7 @@ impl Tree {
         CellId(NodeIndex::new(0))
     }
 
-    /// Number of cells, all generations together.
+    /// Number of cells in all generations together.
     pub fn len(&self) -> usize {
         self.graph.node_count()
     }
@@ -322,14 +322,14 @@ impl Tree {
     }
 
     /// Cells in depth-first order from the first, mothers before their daughters and anterior daughters before posterior
-    /// ones. Descendants of the generation `last` are left out.
+    /// ones. Descendants of the generation `last` are omitted.
     pub fn depth_first(&self, last: u32) -> impl Iterator<Item = CellId> {
         let shown = NodeFiltered::from_fn(&self.graph, move |node| self.graph[node].generation <= last);
         let mut walk = Dfs::new(&self.graph, self.first().0);
         std::iter::from_fn(move || walk.next(&shown).map(CellId))
     }
 
-    /// All cells in post-order: daughters, the anterior one first, before their mother.
+    /// All cells in post-order: daughters before their mother, the anterior one first.
     pub fn post_order(&self) -> impl Iterator<Item = CellId> {
         let mut walk = DfsPostOrder::new(&self.graph, self.first().0);
         std::iter::from_fn(move || walk.next(&self.graph).map(CellId))
@@ -362,12 +362,12 @@ impl Tree {
         Some([daughter(Side::Anterior)?, daughter(Side::Posterior)?])
     }
 
-    /// How many daughters a cell has been given; 0 or 2 in a whole tree.
+    /// The current number of daughters of a cell; 0 or 2 in a complete tree.
     pub fn daughter_count(&self, id: CellId) -> usize {
         self.graph.neighbors(id.0).count()
     }
 
-    /// The cell of a founder (an index into the lineage's founders); `None` if it was never born.
+    /// The cell of a founder (an index into the lineage's founders); `None` if it does not exist in the tree.
     pub fn founder_cell(&self, founder: usize) -> Option<CellId> {
         self.founder_cells[founder]
     }
@@ -377,18 +377,18 @@ impl Tree {
         &self.lineage.founders[self.cell(id).founder].name
     }
 
-    /// A cell with the parameters of its division. Rules override the founder's parameters, and these override the run's.
+    /// A cell with the parameters of its division. Rules override the founder's parameters, which override the run's.
     pub fn parameters(&self, id: CellId) -> Cell {
         let TreeCell { founder, r0, cue, physics, .. } = self.cell(id);
         self.lineage.parameters((*founder, *r0, cue), physics.as_deref(), &self.settings.cell)
     }
 
-    /// Whether a cell carries a cue that does something with the law of the tree.
+    /// Whether a cell carries a cue that has an effect with the law of the tree.
     pub fn has_cue(&self, id: CellId) -> bool {
         self.settings.cell.clone().with_cue(self.cell(id).cue.clone()).has_cue()
     }
 
-    /// A warning if the law reads a regulator that some cells do not have.
+    /// A warning if the law uses a regulator that some cells lack.
     pub fn lacks_regulator(&self) -> Option<String> {
         let of = |id: CellId| self.settings.cell.clone().with_cue(self.cell(id).cue.clone());
         let law = self.settings.cell.law.as_ref()?;

@@ -1,4 +1,4 @@
-//! Micrometres, minutes and seconds, where a lineage file gives L_h and τ.
+//! Conversion to micrometres, minutes and seconds if a lineage file gives L_h and τ.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use furrow_cell::settings::Value;
 use furrow_input::{InputError, shown_number};
 use furrow_mechanics::polarity::LENGTH_UM;
 
-/// L_h and τ of an embryo. The paper prints neither: users give them.
+/// L_h and τ of an embryo. The paper does not give them; users do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Units {
@@ -21,22 +21,22 @@ pub struct Units {
 }
 
 impl Units {
-    /// A length given in L_h, in µm.
+    /// Converts a length from L_h to µm.
     pub fn micrometres(&self, length: f64) -> Option<f64> {
         self.length_um.map(|unit| unit * length)
     }
 
-    /// A time given in τ, in minutes.
+    /// Converts a time from τ to minutes.
     pub fn minutes(&self, time: f64) -> Option<f64> {
         self.time_min.map(|unit| unit * time)
     }
 
-    /// L_h in µm: the worm's where it is not given, as the presets are the worm's.
+    /// L_h in µm; if not given, the worm's, since the presets are for the worm.
     pub fn length_um(&self) -> f64 {
         self.length_um.unwrap_or(LENGTH_UM)
     }
 
-    /// The same; with the worm's L_h where it is not given and a length is in µm, so that answers have µm too.
+    /// The same units, with the worm's L_h if L_h is not given and a length is in µm, so that results are in µm too.
     pub fn asked_in(self, length: Length) -> Units {
         match length {
             Length::Natural(_) => self,
@@ -55,17 +55,17 @@ impl Units {
         }
     }
 
-    /// What cues with numbers in µm and seconds are converted with.
+    /// The units for cues with numbers in µm and seconds.
     pub fn scale(&self) -> Scale {
         Scale { length_um: Some(self.length_um()), time_s: self.time_min.map(|minutes| 60.0 * minutes) }
     }
 
-    /// A length in L_h as text, followed by µm where L_h is known: ` (17.06 µm)`.
+    /// A length in L_h as text, followed by µm if L_h is known: ` (17.06 µm)`.
     pub fn in_micrometres(&self, length: f64) -> String {
         self.micrometres(length).map_or(String::new(), |length| format!(" ({length:.2} µm)"))
     }
 
-    /// A time in τ as text, followed by minutes where τ is known: ` (3.10 min)`.
+    /// A time in τ as text, followed by minutes if τ is known: ` (3.10 min)`.
     pub fn in_minutes(&self, time: f64) -> String {
         self.minutes(time).map_or(String::new(), |time| format!(" ({time:.2} min)"))
     }
@@ -80,14 +80,14 @@ impl Units {
     }
 }
 
-/// Radii R0 in L_h of the cells that the presets were made for: the zygote's is 5.4, and cells below 1.7 do not divide.
+/// Radii R0 in L_h for which the presets are intended: the zygote's is 5.4, and cells below 1.7 do not divide.
 const MADE_FOR: std::ops::RangeInclusive<f64> = 0.5..=8.0;
 
-/// Largest radius of a founder as a plain number, which is one of L_h: a tree of a larger cell has tens of thousands of cells, and
-/// the number is more likely one of µm. A larger cell is given in µm.
+/// Largest radius of a founder without a unit, and hence in L_h: a tree from a larger cell has tens of thousands of cells, and
+/// the number is more likely in µm. A larger radius must be given in µm.
 pub const MOST_PLAIN: f64 = 20.0;
 
-/// Says how to write a radius that is above [`MOST_PLAIN`] as a plain number.
+/// Describes how to write a radius above [`MOST_PLAIN`].
 pub fn plain_radius(r0: f64) -> String {
     let r0 = shown_number(r0);
     format!(
@@ -95,7 +95,7 @@ pub fn plain_radius(r0: f64) -> String {
     )
 }
 
-/// Warns of a radius that is allowed but far from the radii that the presets were made for.
+/// Warns of a radius that is allowed but far outside the range for which the presets are intended.
 pub fn size_doubt(given: Length, units: &Units) -> Option<String> {
     let [least, most] = [MADE_FOR.start(), MADE_FOR.end()];
     let natural = given.in_units(units);
@@ -125,7 +125,7 @@ pub fn size_doubt(given: Length, units: &Units) -> Option<String> {
     })
 }
 
-/// A length as users write it: a number of L_h, or of µm with the unit behind it.
+/// A length in the user's notation: a number in L_h, or a number in µm followed by the unit.
 ///
 /// ```
 /// use furrow_lineage::{Length, Units};
@@ -138,9 +138,9 @@ pub fn size_doubt(given: Length, units: &Units) -> Option<String> {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Length {
-    /// In L_h.
+    /// A length in L_h.
     Natural(f64),
-    /// In µm.
+    /// A length in µm.
     Micrometres(f64),
 }
 

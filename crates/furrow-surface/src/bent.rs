@@ -1,8 +1,8 @@
-//! Branches of bent states at rest, which leave the axisymmetric branch where a disturbance m = 1 begins to grow.
+//! Branches of bent stationary states, which bifurcate from the axisymmetric branch where the disturbance m = 1 becomes unstable.
 //!
-//! A bent state is mirror-symmetric, in u → 1 − u too. The branch is followed by its bend, the distance of the middle ring from the
-//! axis over R0, which goes on to grow where the activity turns back at a fold: with J the derivatives of the balances,
-//! J x′ + ∂_ξF ξ′ = 0 and bend(x′) = 1. Disturbances that break the mirror symmetry begin to grow at the odd pitchfork.
+//! A bent state is mirror-symmetric, also under u → 1 − u. The branch is parametrised by its bend, the distance of the middle ring
+//! from the axis divided by R0, which increases beyond the fold at which the activity turns back: with J the derivatives of the
+//! balances, J x′ + ∂_ξF ξ′ = 0 and bend(x′) = 1. Disturbances that break the mirror symmetry become unstable at the odd pitchfork.
 
 use furrow_bvp::{Gauss, Work};
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
@@ -22,18 +22,18 @@ use crate::problem::{Problem, Residual, State};
 use crate::rates::{Among, RatesError};
 use crate::space::Space;
 
-/// A bent state at rest.
+/// A bent stationary state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BentPoint {
-    /// Activity ξ_s at which it rests, in κ0/L_h.
+    /// Activity ξ_s of the state, in κ0/L_h.
     pub xi_s: f64,
     /// Distance of the middle ring from the axis, relative to R0.
     pub bend: f64,
     /// dξ_s/d bend along the branch: negative beyond the fold.
     pub slope: f64,
-    /// Largest growth rate of disturbances that keep the mirror symmetry, in 1/τ.
+    /// Largest growth rate of disturbances that preserve the mirror symmetry, in 1/τ.
     pub even: f64,
-    /// The same of those that break it.
+    /// Largest growth rate of disturbances that break the mirror symmetry, in 1/τ.
     pub odd: f64,
     /// Length of the mean meridian, in L_h.
     pub length: f64,
@@ -41,16 +41,16 @@ pub struct BentPoint {
     pub pressure: f64,
     /// Distance of the poles over R0.
     pub elongation: f64,
-    /// Length over 2π of the middle ring, in L_h.
+    /// Length of the middle ring divided by 2π, in L_h.
     pub equator_radius: f64,
-    /// Radius of the neck over R0, if there is a waist.
+    /// Radius of the neck divided by R0, if there is a waist.
     pub neck: Option<f64>,
     /// Distance of the neck's centre from the axis, in L_h.
     pub neck_offset: Option<f64>,
 }
 
 impl BentPoint {
-    /// The observables of axisymmetric shapes, with the bend in place of the arclength.
+    /// The observables of axisymmetric shapes, with the bend instead of the arclength.
     pub fn shape(&self) -> ShapePoint {
         ShapePoint {
             xi_s: self.xi_s,
@@ -73,9 +73,9 @@ impl BentPoint {
 pub struct NormalForm {
     /// Threshold ξ₁ of disturbances m = 1.
     pub xi_s: f64,
-    /// c, in κ0/L_h: bent states lie above the threshold, and are stable there, if it is positive.
+    /// c, in κ0/L_h: if it is positive, bent states exist above the threshold and are stable there.
     pub coefficient: f64,
-    /// Distance of the poles over R0 at the threshold.
+    /// Distance of the poles divided by R0 at the threshold.
     pub elongation: f64,
 }
 
@@ -105,20 +105,20 @@ impl NormalForm {
 pub struct BentBranch {
     /// The threshold.
     pub threshold: NormalForm,
-    /// States, from the threshold on.
+    /// States along the branch, starting at the threshold.
     pub points: Vec<BentPoint>,
-    /// Work of the states.
+    /// Work for the states.
     pub work: Work,
-    /// Where disturbances that break the mirror symmetry begin to grow.
+    /// The state at which disturbances that break the mirror symmetry become unstable.
     pub pitchfork: Option<BentPoint>,
-    /// Where the activity is largest.
+    /// The state of largest activity.
     pub fold: Option<BentPoint>,
-    /// Why it ends.
+    /// The reason why it ends.
     pub ended: BranchEnd,
 }
 
 impl BentBranch {
-    /// The branch by the observables of axisymmetric shapes, without contours and events.
+    /// The branch in terms of the observables of axisymmetric shapes, without contours and events.
     pub fn shapes(&self) -> Branch {
         Branch {
             points: self.points.iter().map(BentPoint::shape).collect(),
@@ -132,7 +132,7 @@ impl BentBranch {
     }
 }
 
-/// Why bent states were not found.
+/// The reason why bent states were not found.
 #[derive(Debug, thiserror::Error)]
 pub enum BentError {
     /// The cue breaks the mirror symmetry, or needs equations that surfaces do not have.
@@ -143,7 +143,7 @@ pub enum BentError {
         /// The cue.
         cue: String,
     },
-    /// Surfaces have the paper's law alone.
+    /// Bent states are implemented only for the paper's law.
     #[error("bent states have equations for the paper's law alone, not for {law:?}")]
     OwnLaw {
         /// The law's name.
@@ -152,13 +152,13 @@ pub enum BentError {
     /// A pitchfork or fold.
     #[error("the end of the stable bent states near a bend of {bend:.4} R0 is not located")]
     NotLocated {
-        /// Bend of the last state that was tried.
+        /// Bend of the last state tried.
         bend: f64,
     },
-    /// The bent branch begins towards smaller activities.
+    /// The bent branch bifurcates towards smaller activities.
     #[error("bent states begin subcritically, at xi_s = {xi_s:.4}: none is stable there")]
     Subcritical {
-        /// Activity of the first state that was computed.
+        /// Activity of the first computed state.
         xi_s: f64,
     },
     /// No activity of the range is above the threshold.
@@ -169,10 +169,10 @@ pub enum BentError {
         /// The largest activity.
         xi_max: f64,
     },
-    /// The bent states stay stable.
+    /// The bent states remain stable.
     #[error("the bent states are stable to the largest bend that is followed")]
     Unbounded,
-    /// Disturbances m = 1 of the axisymmetric branch.
+    /// The disturbances m = 1 of the axisymmetric branch could not be computed.
     #[error(transparent)]
     Shape(#[from] ShapeError),
     /// A bent state.
@@ -188,7 +188,7 @@ pub enum BentError {
     Rates(#[from] RatesError),
 }
 
-/// Bend, beside its half, from which the normal form follows.
+/// The bend of one of the two states from which the normal form follows; the other has half of it.
 const SMALL: f64 = 0.02;
 /// Longest step in bend.
 const STEP: f64 = 0.02;
@@ -196,28 +196,28 @@ const STEP: f64 = 0.02;
 const SHORTEST: f64 = 1e-4;
 /// Largest bend.
 const LARGEST: f64 = 0.6;
-/// Bend beyond the fold to which states are followed.
+/// Range of bend beyond the fold over which states are followed.
 const BEYOND: f64 = 0.06;
-/// Accuracy of points in bend.
+/// Accuracy of events in bend.
 const CLOSE: f64 = 1e-7;
-/// Iterations that bring out the disturbance at the threshold.
+/// Number of inverse iterations for the disturbance at the threshold.
 const INVERSE_ITERATIONS: usize = 6;
-/// Most steps of the search for a point.
+/// Largest number of steps of the search for an event.
 const SEARCH: usize = 30;
-/// Distance in bend of two states from which an event near them is found.
+/// Difference in bend of two states from which a nearby event is located.
 const NEAR: f64 = 2e-3;
-/// Most iterations of Newton's method.
+/// Largest number of Newton iterations.
 const ITERATIONS: usize = 14;
-/// Largest change of a coefficient, relative to R0, at which they end.
+/// Largest change of a coefficient, relative to R0, at convergence.
 const TOLERANCE: f64 = 1e-7;
 
-/// A bent state and the tangent of the branch, from which the next state follows.
+/// A bent state and the tangent of the branch, which predicts the next state.
 #[derive(Clone, Debug)]
 pub(crate) struct Bent {
     pub(crate) cell: Cell,
     problem: Problem,
     state: State,
-    /// Derivatives by the bend: surface, flow and pressure by unknown, and dξ_s/d bend.
+    /// Derivatives with respect to the bend: surface, flow and pressure by unknown, and dξ_s/d bend.
     tangent: Vec<f64>,
     pressure_tangent: f64,
     slope: f64,
@@ -247,7 +247,7 @@ impl Bent {
         Ok(bent)
     }
 
-    /// The disturbance m = 1 with bend 1 that neither grows nor decays at the threshold, by inverse iteration.
+    /// The neutral disturbance m = 1 at the threshold, with bend 1, by inverse iteration.
     fn growing(&self) -> Result<Vec<f64>, Singular> {
         let factored = self.problem.jacobian(&self.state).factor()?;
         let row = self.row();
@@ -295,7 +295,7 @@ impl Bent {
         centre.unwrap_or(0.0) / self.cell.r0
     }
 
-    /// The residual, and its derivative by ξ_s, in which it is linear.
+    /// The residual and its derivative with respect to ξ_s, in which it is linear.
     fn residuals(&mut self) -> (Residual, Vec<f64>) {
         let (xi_s, here) = (self.cell.xi_s, self.problem.residual(&self.state));
         self.set(Parameter::XiS, xi_s + 1.0);
@@ -305,12 +305,12 @@ impl Bent {
         (here, gained)
     }
 
-    /// Goes on to the state with this bend, which is near.
+    /// Computes the state with this bend, which must be near.
     pub(crate) fn advance(&mut self, bend: f64, work: &mut Work) -> Result<(), BentError> {
         self.solved(bend, work).map_err(|reason| BentError::Lost { bend, reason })
     }
 
-    /// The state a step further, which is halved until it succeeds.
+    /// The next state; the step is halved until it succeeds.
     fn onward(&self, step: &mut f64, work: &mut Work) -> Result<Bent, BentError> {
         loop {
             let mut next = self.clone();
@@ -327,9 +327,9 @@ impl Bent {
         let change: Vec<f64> = self.tangent.iter().map(|t| t * step).collect();
         self.problem.change(&mut self.state, &change, self.pressure_tangent * step);
         self.set(Parameter::XiS, self.cell.xi_s + self.slope * step);
-        // The mesh keeps to the predicted surface: weights that changed in every iteration would slow it down.
+        // The mesh weights come from the predicted surface, because weights that change in every iteration would slow convergence.
         self.problem.spread(&self.state.surface);
-        // At the pitchfork a disturbance that breaks the mirror symmetry solves the linear equations too.
+        // At the pitchfork a disturbance that breaks the mirror symmetry also solves the linear equations.
         let even = self.problem.projection(Among::Even);
         let mut changed = f64::INFINITY;
         for iteration in 1..=ITERATIONS {
@@ -390,12 +390,12 @@ impl Bent {
     }
 }
 
-/// What may end the stable bent states.
+/// The events that may end the stable bent states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BentEvent {
-    /// Disturbances that break the mirror symmetry begin to grow.
+    /// Disturbances that break the mirror symmetry become unstable.
     Pitchfork,
-    /// The activity is largest.
+    /// The activity has its maximum.
     Fold,
 }
 
@@ -408,7 +408,7 @@ impl BentEvent {
         }
     }
 
-    /// A value that vanishes at the event and is positive before it.
+    /// A test function that vanishes at the event and is positive before it.
     fn before(self, bent: &Bent) -> Result<f64, RatesError> {
         match self {
             BentEvent::Pitchfork => Ok(-bent.rate(Among::Odd)?),
@@ -416,13 +416,13 @@ impl BentEvent {
         }
     }
 
-    /// The event between two states with these values.
+    /// The event between two states with these test values.
     fn between(self, [from, to]: [&Bent; 2], values: [f64; 2], work: &mut Work) -> Result<Option<Bent>, BentError> {
         let passed = values[0] > 0.0 && values[1] <= 0.0;
         passed.then(|| self.secant(from, [from.bend(), to.bend()], values, work)).transpose()
     }
 
-    /// The event close to a state.
+    /// The event near a state.
     pub(crate) fn near(self, bent: &Bent, work: &mut Work) -> Result<Bent, BentError> {
         let mut there = bent.clone();
         there.advance(bent.bend() + NEAR, work)?;
@@ -430,7 +430,7 @@ impl BentEvent {
         self.secant(&there, [bent.bend(), there.bend()], values, work)
     }
 
-    /// The event, by the secant through two bends.
+    /// The event, by the secant method from two bends.
     fn secant(
         self,
         from: &Bent,
@@ -497,7 +497,7 @@ pub fn branch(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<BentBranc
     Ok(found)
 }
 
-/// The events of the bent states of a cell in order, up to the fold; `only_first` ends at the first.
+/// The events of the bent states of a cell in order, up to the fold; with `only_first` only the first.
 ///
 /// # Errors
 /// [`BentError`]; [`BentError::Subcritical`] if no bent state is stable, [`BentError::Unbounded`] if there is no event.

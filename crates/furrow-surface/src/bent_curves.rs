@@ -1,4 +1,4 @@
-//! Curves of the thresholds at which bent states begin and of the pitchforks and folds that end them, over R0 or ε, and the critical
+//! Curves, over R0 or ε, of the thresholds of bent states and of the pitchforks and folds at which they end, and the critical
 //! radius.
 
 use furrow_bvp::{Bracket, Work};
@@ -12,22 +12,22 @@ use furrow_mechanics::equilibria::{ShapeError, StepBudget};
 use crate::bent::{Bent, BentError, BentEvent, NormalForm, can_follow, events};
 use crate::division::divide;
 
-/// Number of steps over a range, unless one fails.
+/// Number of steps over a range if none fails.
 const STEPS: f64 = 12.0;
 /// Shortest step, relative to the first.
 const SHORTEST: f64 = 1e-2;
-/// Radii at which the search for the critical radius starts, in order.
+/// Starting radii of the search for the critical radius, in order.
 const STARTS: [f64; 3] = [1.4, 2.2, 0.9];
 /// Largest relative change of R0 in a step of that search.
 const LARGEST: f64 = 0.12;
 /// Relative accuracy of the critical radius.
 const CLOSE: f64 = 1e-7;
-/// Most steps of a search: for the critical radius from one start, or for a change of criticality.
+/// Largest number of steps of a search for the critical radius from one start, or for a change of criticality.
 const SEARCH: usize = 30;
-/// Accuracy of a change of criticality, relative to the distance of the two values around it.
+/// Accuracy of a change of criticality, relative to the distance between the two values that bracket it.
 const CRITICALITY: f64 = 1e-4;
 
-/// Critical radii of cells without axial symmetry: where the stable bent states end at the cell's activity.
+/// Critical radii of cells without axial symmetry, at which the stable bent states end at the cell's activity.
 pub const WITHOUT_AXIS: Method = Method {
     name: "without axial symmetry 1",
     applies: can_follow,
@@ -36,14 +36,14 @@ pub const WITHOUT_AXIS: Method = Method {
     refined: |numerics| Numerics { modes: numerics.modes + 2, ..*numerics },
 };
 
-/// The activities up to `xi_max` at which a cell comes to rest, straight or bent: up to the first event of its bent states.
+/// The activities up to `xi_max` at which a cell comes to rest, straight or bent. They extend to the first event of the bent states.
 ///
 /// # Errors
 /// [`ShapeError`].
 pub fn resting_bent(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<RestShapes, ShapeError> {
     let found = match events(cell, numerics, false) {
         Ok(found) => found,
-        // Straight to the end of the range.
+        // The straight states are stable up to the end of the range.
         Err(BentError::Shape(ShapeError::NoGrowth { xi_s, .. })) if xi_s >= xi_max => Vec::new(),
         Err(error) => return Err(error.of(cell)),
     };
@@ -64,7 +64,7 @@ pub fn resting_bent(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<Res
 struct Located {
     event: BentEvent,
     bent: Bent,
-    /// Change of its bend by the value of the parameter.
+    /// Derivative of its bend with respect to the parameter.
     drift: f64,
 }
 
@@ -80,7 +80,7 @@ impl Located {
         Ok(Located { event: self.event, bent, drift })
     }
 
-    /// The point of the curve, where its slope is known.
+    /// The point of the curve, with its slope if known.
     fn point(&self, parameter: Parameter, slope: f64) -> CurvePoint {
         let cell = &self.bent.cell;
         let (value, elongation) = (parameter.get(cell), self.bent.elongation());
@@ -89,10 +89,10 @@ impl Located {
     }
 }
 
-/// Where bent states lose stability to disturbances that break the mirror symmetry, and where they fold, over a range of R0 or ε.
+/// The curves over R0 or ε at which bent states become unstable to disturbances that break the mirror symmetry, and of their folds.
 ///
 /// # Errors
-/// [`ShapeError`] at the first value; a curve that is lost later ends there.
+/// [`ShapeError`] at the first value; if the continuation fails later, the curve ends there.
 pub fn curves(
     cell: &Cell,
     numerics: &Numerics,
@@ -147,7 +147,7 @@ fn follow(
     Ok(())
 }
 
-/// The threshold at which bent states begin at a value of R0 or ε, with the coefficient of the normal form; its slope is unknown.
+/// The threshold of bent states at a value of R0 or ε, with the coefficient of the normal form; its slope is unknown.
 ///
 /// # Errors
 /// [`ShapeError`].
@@ -160,8 +160,8 @@ pub fn threshold(cell: &Cell, numerics: &Numerics, parameter: Parameter, value: 
     Ok(CurvePoint { r0, epsilon, value, xi_s, slope: f64::NAN, elongation, coefficient: Some(coefficient) })
 }
 
-/// The curve through thresholds in the order of their values, and where their coefficient changes its sign; `at` computes the
-/// threshold at another value. Beside the curve, why values are missing.
+/// The curve through thresholds in the order of their values, and the points where their coefficient changes its sign; `at` computes
+/// the threshold at another value. Also returns the reasons why values are missing.
 pub fn threshold_curve(
     found: Vec<Result<CurvePoint, ShapeError>>,
     at: impl Fn(f64) -> Result<CurvePoint, ShapeError>,
@@ -190,8 +190,8 @@ pub fn threshold_curve(
     (curve, missing)
 }
 
-/// Where the coefficient vanishes between two points of a curve, by the Illinois method. `None` if it has one sign, and where it changes
-/// the sign through infinity.
+/// The zero of the coefficient between two points of a curve, by the Illinois method. `None` if the sign does not change, or if it
+/// changes through infinity.
 fn change_of_criticality(
     points: [CurvePoint; 2],
     at: &impl Fn(f64) -> Result<CurvePoint, ShapeError>,
@@ -216,7 +216,7 @@ fn change_of_criticality(
     Ok(None)
 }
 
-/// The radius below which cells like `cell`, for any radius of `cell`, come to rest bent.
+/// The radius below which cells with the parameters of `cell`, except its radius, come to rest bent.
 ///
 /// # Errors
 /// [`ShapeError`] if there is no such radius.
@@ -244,7 +244,7 @@ fn critical_from(cell: &Cell, numerics: &Numerics, budget: &StepBudget<'_>) -> R
     let first = events(cell, numerics, true).map_err(wrong)?.into_iter().next();
     let (event, bent) = first.ok_or(BentError::Unbounded).map_err(wrong)?;
     let mut at = Located { event, bent, drift: 0.0 };
-    // ξ_s falls about as 1/R0.
+    // ξ_s decreases approximately as 1/R0.
     let mut slope = -at.bent.cell.xi_s / cell.r0;
     let mut largest = LARGEST;
     for _ in 0..SEARCH {
@@ -272,7 +272,7 @@ fn critical_from(cell: &Cell, numerics: &Numerics, budget: &StepBudget<'_>) -> R
 }
 
 impl BentError {
-    /// The same among the errors of stationary shapes.
+    /// The corresponding error of stationary shapes.
     pub fn of(self, cell: &Cell) -> ShapeError {
         match self {
             BentError::Shape(error) => error,

@@ -1,11 +1,11 @@
 //! Contact of the walls of a furrow.
 //!
-//! The lips of a furrow that closes from one side meet long before the neck does. Walls repel each other like the shell
+//! The walls of a furrow that closes from one side touch long before the neck closes. They repel each other as the shell
 //! repels the cortex, M.9, as if a shell lay halfway between them: \[S.6 contact\] at distance d along the normal, the pressure is
-//! (2P0/(w²b)) exp(−d/λ) with λ = w²b. No new constant enters.
+//! (2P0/(w²b)) exp(−d/λ) with λ = w²b. This introduces no new constant.
 //!
-//! The opposite wall is found from a surface close to the one that is solved for, on the ray along the normal. While that is solved, both
-//! walls are taken to move towards each other by the same distance, so that only their own place is unknown.
+//! The opposite wall is located on the ray along the normal, on a surface close to the solution. During the solution both walls are
+//! assumed to move towards each other by the same distance, so that only the position of the point itself is unknown.
 
 use std::collections::HashMap;
 
@@ -13,14 +13,14 @@ use crate::law::{Contact, Geometry, Vector};
 use crate::problem::Problem;
 use crate::space::Space;
 
-/// Walls farther away than this, in λ, are not felt.
+/// Walls at a larger distance, in λ, have no effect.
 const REACH: f64 = 18.0;
-/// Walls that have crossed by more than this, in λ, are not walls that touch.
+/// Walls that have crossed by more than this, in λ, do not count as in contact.
 const CROSSED: f64 = 8.0;
-/// Largest cosine between normals of walls that face each other.
+/// Largest cosine between normals of opposite walls.
 const FACING: f64 = -0.2;
 
-/// A point of the quadrature: place, normal, and where it is on the mesh.
+/// A point of the quadrature: position, normal, and coordinates on the mesh.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     x: Vector<f64>,
@@ -71,14 +71,14 @@ impl Cubes {
         x.map(|x| (x / width).floor() as i32)
     }
 
-    /// Points near one of them.
+    /// The points near a given one.
     fn near(&self, x: &Vector<f64>) -> &[usize] {
         self.near.get(&Cubes::of(x, self.width)).map_or(&[], Vec::as_slice)
     }
 }
 
-/// Where the ray from a point along its normal meets the surface, from a guess (u, φ): the distance, and the cosine between both
-/// normals.
+/// The intersection of the ray from a point along its normal with the surface, from a guess (u, φ): the distance, and the cosine
+/// between the two normals.
 fn meet(space: &Space, surface: &[f64], from: &Point, mut u: f64, mut phi: f64) -> Option<(f64, f64)> {
     let mut functions = Vec::new();
     let mut distance = 0.0;
@@ -89,7 +89,7 @@ fn meet(space: &Space, surface: &[f64], from: &Point, mut u: f64, mut phi: f64) 
         let apart: Vector<f64> = std::array::from_fn(|k| x[k] - from.x[k]);
         let geometry = Geometry::new(&shape);
         let cosine = dot(&geometry.normal, &from.normal);
-        // x + a x_u + b x_φ = from + d n: the part along the other normal gives d.
+        // x + a x_u + b x_φ = from + d n; the component along the other normal gives d.
         let new = dot(&apart, &geometry.normal) / cosine;
         let rest: Vector<f64> = std::array::from_fn(|k| new * from.normal[k] - apart[k]);
         let [g_uu, g_up, g_pp] = [dot(&x_u, &x_u), dot(&x_u, &x_p), dot(&x_p, &x_p)];
@@ -104,7 +104,7 @@ fn meet(space: &Space, surface: &[f64], from: &Point, mut u: f64, mut phi: f64) 
         let moved = (new - distance).abs();
         distance = new;
         if round > 0 && moved < 1e-7 * (1.0 + distance.abs()) && step[0].abs() < 1e-5 {
-            // The other side of a neck is no wall.
+            // The other side of a neck is not an opposite wall.
             let same_side = (phi - from.phi).abs() < std::f64::consts::FRAC_PI_2;
             return (same_side && cosine < FACING).then_some((distance, cosine));
         }
@@ -129,10 +129,10 @@ impl Problem {
         let cubes = Cubes::new(&points, width);
         let mut any = false;
         let mut contact = |point: &Point| {
-            // Of the points that face this one, that closest to the ray.
+            // Among the points that face this one, select the one closest to the ray.
             let facing = |k: usize| {
                 let other = &points[k];
-                // Most normals nearby point the same way.
+                // Most nearby normals point in the same direction.
                 let faces = dot(&point.normal, &other.normal) < FACING;
                 if !faces {
                     return None;

@@ -1,8 +1,7 @@
-//! Whether a surface crosses itself.
+//! Detection of self-intersections of a surface.
 //!
-//! A ray from a point of a closed surface into the cell leaves once, if it is counted how often it goes out less how often it comes in.
-//! Where another wall has come over the point, the cell is there twice, and the ray leaves twice: the wall that it
-//! leaves by first is the one that has crossed.
+//! A ray from a point of a closed surface into the cell has one more exit than entries. If another wall has passed over the point, the
+//! cell overlaps itself there and there are two more exits than entries; the wall of the first exit is the one that has crossed.
 
 use crate::law::{Geometry, Vector};
 use crate::space::{Meridian, Space, Station};
@@ -32,7 +31,7 @@ impl Facet {
         Facet { corner: *a, across: cross(&edges[0], &edges[1]), edges }
     }
 
-    /// Where a ray meets the facet: the distance, and whether it leaves the cell there.
+    /// The intersection of a ray with the facet: the distance, and whether the ray leaves the cell there.
     fn met_by(&self, from: &Vector<f64>, ray: &Vector<f64>) -> Option<(f64, bool)> {
         let slope = dot(&self.across, ray);
         let apart = difference(from, &self.corner);
@@ -43,7 +42,7 @@ impl Facet {
     }
 }
 
-/// Rings of points of a surface, all around the axis, pole to pole.
+/// Rings of points of a surface around the axis, from pole to pole.
 fn rings(space: &Space, surface: &[f64]) -> Vec<Vec<Vector<f64>>> {
     let around = 2 * space.meridians.len().max(6);
     let angle = |j: usize| std::f64::consts::TAU * (j as f64 + 0.5) / around as f64;
@@ -57,7 +56,7 @@ fn rings(space: &Space, surface: &[f64]) -> Vec<Vec<Vector<f64>>> {
     std::iter::once(&first).chain(&space.stations).chain(std::iter::once(&last)).map(&mut ring).collect()
 }
 
-/// Triangles between the rings; those at a pole have no area and are met by no ray.
+/// Triangles between the rings; those at a pole have no area and no ray intersects them.
 fn facets(rings: &[Vec<Vector<f64>>]) -> Vec<Facet> {
     let between = |pair: &[Vec<Vector<f64>>]| -> Vec<Facet> {
         let count = pair[0].len();
@@ -71,8 +70,8 @@ fn facets(rings: &[Vec<Vector<f64>>]) -> Vec<Facet> {
     rings.windows(2).flat_map(between).collect()
 }
 
-/// The largest depth by which a wall of the surface has crossed another one, measured along the normal between points of the
-/// quadrature and facets of the same fineness, in L_h; 0 if the surface does not cross itself.
+/// The largest depth by which a wall of the surface has crossed another, in L_h, measured along the normal between points of the
+/// quadrature and facets of the same resolution; 0 if the surface does not intersect itself.
 pub fn crossing(space: &Space, surface: &[f64]) -> f64 {
     let facets = facets(&rings(space, surface));
     let mut functions = Vec::new();
@@ -88,10 +87,10 @@ pub fn crossing(space: &Space, surface: &[f64]) -> f64 {
     deepest
 }
 
-/// Facets nearer than this to a point, in L_h, are its own.
+/// Facets closer to a point than this, in L_h, belong to the point itself.
 const OWN: f64 = 1e-6;
 
-/// How far a point lies behind the wall that covers it; 0 for a point that is not covered.
+/// The depth of a point behind the wall that covers it; 0 if it is not covered.
 fn covered(facets: &[Facet], from: &Vector<f64>, inwards: &Vector<f64>) -> f64 {
     let times_left = |ray: &Vector<f64>, start: &Vector<f64>| -> (i32, f64) {
         let (mut times, mut first) = (0, f64::INFINITY);
@@ -107,11 +106,11 @@ fn covered(facets: &[Facet], from: &Vector<f64>, inwards: &Vector<f64>) -> f64 {
     if times < 2 {
         return 0.0;
     }
-    // A ray may meet the edge between two facets, and count twice: ask another one from half the depth.
+    // A ray through the edge between two facets may be counted twice, so another ray from half the depth is tested.
     let start = std::array::from_fn(|k| from[k] + 0.5 * depth * inwards[k]);
     let (again, _) = times_left(&OTHER, &start);
     if again < 2 { 0.0 } else { depth }
 }
 
-/// Any direction that no symmetry distinguishes.
+/// An arbitrary direction without symmetry.
 const OTHER: Vector<f64> = [0.360_3, 0.480_9, 0.799_1];

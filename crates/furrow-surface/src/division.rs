@@ -38,7 +38,7 @@ pub struct AtRest {
     pub rates: Vec<Rate>,
 }
 
-/// A division, and what only a surface without axial symmetry has.
+/// A division, with the properties specific to surfaces without axial symmetry.
 #[derive(Clone, Debug)]
 pub struct SurfaceDivision {
     /// The division.
@@ -51,37 +51,37 @@ pub struct SurfaceDivision {
     pub rest: Option<AtRest>,
 }
 
-/// A neck narrower than this, relative to R0, closes: volumes and time at the radius of M.20 follow from the last step.
+/// A neck narrower than this, relative to R0, will close: volumes and time at the radius of M.20 are extrapolated from the last step.
 pub const CLOSED: f64 = 0.015;
-/// A neck at one side, or a slit, has closed at this radius, relative to R0: it becomes a thread beside the other wall, in which
-/// volumes no longer change and which no mesh here resolves.
+/// Radius, relative to R0, at which an off-axis neck, or a slit, counts as closed. It then becomes a thread close to the opposite
+/// wall: the volumes no longer change, and the mesh does not resolve it.
 pub const THREAD: f64 = 0.05;
-/// Distance of the neck from the axis, relative to R0, from which on it is at one side.
+/// Distance of the neck from the axis, relative to R0, above which it counts as off-axis.
 const ONE_SIDED: f64 = 0.3;
-/// A neck with a smaller roundness is a slit. Its walls touch while it is still wide, so it ends at [`THREAD`].
+/// A neck with a smaller roundness is a slit. Its walls touch while it is still wide, so the division ends at [`THREAD`].
 const SLIT: f64 = 0.5;
-/// A neck narrower than this, relative to R0, has closed too if its last steps cannot be computed.
+/// A neck narrower than this, relative to R0, also counts as closed if the last steps cannot be computed.
 const CLOSING: f64 = 0.08;
 /// Local error of a step, relative to R0, for each unit of the numerics' tolerance.
 const ERROR: f64 = 6.0;
-/// Longest step, in τ: growing modes must not be damped.
+/// Longest step, in τ, so that growing modes are not damped.
 const LONGEST: f64 = 0.05;
-/// Longest step relative to the time since the start: among the first motions are some that are small and grow fast.
+/// Longest step relative to the time since the start, because some initial motions are small and grow fast.
 const EARLY: f64 = 0.03;
-/// How much a motion of R0, as a root mean square over the surface, changes the wanted mesh, where the closing of the neck by a
-/// factor e changes it by 1.
+/// Change of the target mesh for a motion of R0 (root mean square over the surface), in units of the change when the neck narrows by
+/// a factor e.
 const MOVED: f64 = 50.0;
-/// How fast the mesh follows the wanted one, for a change of 1. Were it moved by a share in every step, shorter steps would not be
-/// smoother.
+/// Rate at which the mesh follows the target mesh, for a change of 1. If the mesh moved by a fixed fraction in every step, shorter steps
+/// would not be smoother.
 const FOLLOWING: f64 = 1.2;
-/// Times in which the mesh follows its wanted spread, relative to R0², for a neck on the axis and for one at one side. Without drag the
-/// rings of a deep furrow at one side have no spread near the last one; with much of it rings lag behind a closing neck.
+/// Relaxation times of the mesh, relative to R0², for a neck on the axis and for an off-axis neck. Without drag the rings of a deep
+/// one-sided furrow may have no equilibrium close to the previous one; with too much drag rings lag behind a closing neck.
 const DRAG: [f64; 2] = [0.005, 0.05];
-/// A surface slower than this, relative to R0 and in 1/τ, may take longer steps, as long as its fastest disturbance allows.
+/// A surface slower than this, relative to R0 and in 1/τ, may take longer steps, limited by its fastest disturbance.
 const CREEPING: f64 = 5e-3;
-/// Longest step of a creeping surface, relative to the time in which its fastest disturbance grows by a factor e.
+/// Longest step of a slowly moving surface, relative to the time in which its fastest disturbance grows by a factor e.
 const GROWING: f64 = 0.1;
-/// Steps after which the growth rates of a creeping surface are computed anew.
+/// Number of steps after which the growth rates of a slowly moving surface are recomputed.
 const CREPT: usize = 20;
 /// Shortest step, in τ.
 const SHORTEST: f64 = 1e-9;
@@ -89,18 +89,18 @@ const SHORTEST: f64 = 1e-9;
 const NARROWING: f64 = 0.25;
 /// A surface slower than this, relative to R0 and in 1/τ, may be at rest.
 const SLOW: f64 = 2e-5;
-/// Distance of a slow surface from the stationary one that it counts as, relative to R0.
+/// Largest distance of a slow surface from a stationary one, relative to R0, at which it counts as stationary.
 const CLOSE: f64 = 0.02;
-/// Most steps of a division.
+/// Largest number of steps of a division.
 const MOST_STEPS: f64 = 4000.0;
-/// Change of the flattening of a shell within which a passive cell in it is found.
+/// Largest change of the flattening of a shell in one step of the search for a passive cell.
 const CLOSING_PLATES: f64 = 0.05;
-/// Azimuthal numbers of the shape at the start.
+/// Largest azimuthal mode number of the initial shape.
 const FIRST_MODES: usize = 2;
-/// Size of the harmonics with the largest azimuthal number, relative to R0, above which the shape takes one more.
+/// Size of the harmonics of the largest mode number, relative to R0, above which another mode is added.
 const TAIL: f64 = 1e-4;
 
-/// Computes one division with the azimuthal numbers that the numerics allow; `observe` sees the surface after every step.
+/// Computes one division with the azimuthal modes allowed by the numerics; `observe` is called with the surface after every step.
 ///
 /// # Errors
 /// [`DivisionError`].
@@ -111,8 +111,8 @@ pub fn divide(
     run(input, false, observe)
 }
 
-/// [`divide`]; `symmetric` leaves out the noise that breaks the mirror symmetry u → 1 − u, so that a cell may come to rest in a
-/// state that is unstable to it.
+/// [`divide`]; `symmetric` omits the noise that breaks the mirror symmetry u → 1 − u, so that a cell may come to rest in a
+/// state that is unstable to such disturbances.
 pub(crate) fn run(
     input: &DivisionInput,
     symmetric: bool,
@@ -177,7 +177,7 @@ fn check(cell: &Cell, numerics: &Numerics) -> Result<(), DivisionError> {
     Ok(())
 }
 
-/// The error of a step that no shorter step makes accurate.
+/// The error if no shorter step is accurate.
 fn stalled(r0: f64, [t, dt, neck]: [f64; 3], reason: String) -> DivisionError {
     DivisionError::SurfaceStalled { r0, t, dt, neck, reason }
 }
@@ -201,7 +201,7 @@ pub fn start(cell: &Cell, plates: Plates, numerics: &Numerics) -> Result<(Proble
     };
     let shares = problem.mesh.shares(&problem.space);
     let mut state = embed(&problem.space, &shares, full.scalars[PRESSURE], contour);
-    // Plates close step by step on a passive cell in a round shell.
+    // The plates approach a passive cell in a round shell step by step.
     let steps = ((1.0 - cell.shell.flattening) / CLOSING_PLATES).ceil();
     for step in 0..=steps as usize {
         let closed = if round { 0.0 } else { step as f64 / steps };
@@ -215,11 +215,11 @@ pub fn start(cell: &Cell, plates: Plates, numerics: &Numerics) -> Result<(Proble
     Ok((problem, state))
 }
 
-/// Rounds in which the mesh of a stationary surface is changed.
+/// Number of mesh adaptations of a stationary surface.
 const SETTLING: usize = 8;
 
 impl Problem {
-    /// Makes a state stationary. Its mesh goes to the density that `wanted` gives by halves.
+    /// Makes a state stationary. Each mesh adaptation goes half of the way to the density `wanted`.
     ///
     /// # Errors
     /// [`NewtonError`].
@@ -246,23 +246,24 @@ impl Problem {
     }
 }
 
-/// Most steps like the last one by which the end of a division is extrapolated.
+/// Largest number of steps like the last one for the extrapolation of the end of a division.
 const MOST_LEFT: f64 = 10.0;
 
 /// Largest change of the neck's u in a step.
 const SAME_WAIST: f64 = 0.1;
 
-/// How many steps like the last one a neck needs to a radius, or negative if it has passed it; 0 if it does not narrow.
+/// The number of steps like the last one until the neck has a given radius, negative if it is already narrower; 0 if it does not
+/// narrow.
 fn steps_left(before: f64, now: f64, target: f64) -> f64 {
     let narrowed = before - now;
     if narrowed > 0.0 { ((now - target) / narrowed).clamp(-1.0, MOST_LEFT) } else { 0.0 }
 }
 
-/// A division on its way.
+/// A division in progress.
 struct Run<'a> {
     r0: f64,
     epsilon: f64,
-    /// What to tell the user of a cell that keeps moving.
+    /// The message for a cell that continues to move.
     advice: &'static str,
     numerics: &'a Numerics,
     tolerance: f64,
@@ -270,14 +271,14 @@ struct Run<'a> {
     dt: f64,
     /// Longest step, in τ.
     longest: f64,
-    /// Steps of a creeping surface since its growth rates were computed.
+    /// Steps of a slowly moving surface since its growth rates were computed.
     crept: usize,
     necks: Vec<NeckAt>,
     /// Normal speed in the last step, as a root mean square over the surface relative to R0, in 1/τ.
     speed: f64,
     /// Largest relative deviation of the volume.
     drift: f64,
-    /// Speed at which the present slow shape was found not to be at rest.
+    /// Speed at which the current slow shape was last found not to be at rest.
     looked: f64,
     /// Whether the noise is even about u = ½, so that the cell may rest in a state that is unstable to odd disturbances.
     symmetric: bool,
@@ -340,14 +341,14 @@ impl Run<'_> {
         }
         stepper.problem.drag = drag / (self.r0 * self.r0);
         stepper.accept(level, 1.0 - (-FOLLOWING * change).exp());
-        // Equal steps keep the derivatives of the last one useful.
+        // With equal steps the derivatives of the last step can be reused.
         if !(0.9..1.25).contains(&growth) {
             let longest = self.longest.min(2.0 * self.numerics.first_step + EARLY * t);
             self.dt = (self.dt * growth).min(longest * self.numerics.step_factor);
         }
     }
 
-    /// Sets the longest step of a creeping surface, short enough for its growing disturbances.
+    /// Sets the longest step of a slowly moving surface, so that its growing disturbances are resolved.
     fn creep(&mut self, stepper: &Stepper) {
         if self.speed > CREEPING {
             (self.longest, self.crept) = (LONGEST, 0);
@@ -375,7 +376,7 @@ impl Run<'_> {
         if now.neck.radius >= if failed { CLOSING } else { closed } * self.r0 {
             return None;
         }
-        // With two waists, another one may have been the narrower before.
+        // With two waists, another one may have been narrower before.
         let same = (now.neck.u - before.neck.u).abs() < SAME_WAIST;
         let left =
             if failed || !same { 0.0 } else { steps_left(before.neck.radius, now.neck.radius, target * self.r0) };
@@ -411,7 +412,7 @@ impl Run<'_> {
         SurfaceDivision { division, modes: stepper.problem.space.modes, necks: self.necks.clone(), rest: None }
     }
 
-    /// The division, if the cell rests: its surface is close to a stationary one that is stable to all disturbances of this cell.
+    /// The division, if the cell is at rest: its surface is close to a stationary one that is stable to all disturbances of this cell.
     fn rested(&mut self, stepper: &mut Stepper) -> Option<SurfaceDivision> {
         let now = stepper.history.first()?;
         if self.speed > SLOW {
@@ -425,10 +426,10 @@ impl Run<'_> {
         let mut problem = stepper.problem.clone();
         let mut state = now.state.clone();
         problem.motion = Default::default();
-        // It is to be stable to all modes that the numerics allow.
+        // It must be stable to all modes allowed by the numerics.
         problem.take_modes(self.numerics.modes, [&mut state]);
         let before = state.surface.clone();
-        // At rest no part is small, and equal distances are the most accurate. Some bent surfaces have no such mesh.
+        // Stationary shapes have no small features, so equidistant rings are most accurate. Some bent surfaces have no such mesh.
         let moved = (problem.clone(), state.clone());
         let equal = |problem: &Problem, _: &[f64]| vec![1.0; problem.mesh.density.len()];
         let settled = problem.settle(&mut state, equal, &mut stepper.work);
@@ -463,7 +464,7 @@ impl Run<'_> {
         }
     }
 
-    /// One more azimuthal number if the largest is in use.
+    /// Adds an azimuthal mode if the largest one is in use.
     fn take_modes(&self, stepper: &mut Stepper) {
         let modes = stepper.problem.space.modes;
         let tail = stepper.problem.space.tail(&stepper.history[0].state.surface);

@@ -1,24 +1,24 @@
-//! Axisymmetric surfaces in the space: where every division and every branch starts.
+//! Axisymmetric surfaces in the function space, from which every division and every branch starts.
 
 use faer::linalg::solvers::Solve;
 
 use crate::problem::State;
 use crate::space::{Harmonic, Space};
 
-/// A place of an axisymmetric contour.
+/// A point of an axisymmetric contour.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContourPoint {
     /// Distance r from the axis.
     pub r: f64,
-    /// Position z along it.
+    /// Position z along the axis.
     pub z: f64,
-    /// Velocity of the material across the axis.
+    /// Radial velocity of the material.
     pub v_r: f64,
-    /// Velocity of the material along it.
+    /// Axial velocity of the material.
     pub v_z: f64,
 }
 
-/// The state closest to a contour, given by the share of arclength from the pole u = 0; `shares` by station, see
+/// The state closest to a contour, which is given as a function of the fraction of arclength from the pole u = 0; `shares` by station, see
 /// [`Mesh::shares`](crate::mesh::Mesh::shares).
 pub fn embed(space: &Space, shares: &[f64], pressure: f64, contour: impl Fn(f64) -> ContourPoint) -> State {
     let points: Vec<ContourPoint> = shares.iter().map(|share| contour(*share)).collect();
@@ -40,7 +40,7 @@ pub fn embed(space: &Space, shares: &[f64], pressure: f64, contour: impl Fn(f64)
 /// Coefficients of the functions of u closest to `values` at the stations, with the conditions of a harmonic at the poles.
 pub fn project(space: &Space, harmonic: usize, values: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let splines = space.splines();
-    // The unknowns of this harmonic alone, in order.
+    // The unknowns of this harmonic, in order.
     let mut numbers: Vec<usize> = (0..splines).filter_map(|spline| space.unknown(spline, 0, harmonic)).collect();
     numbers.sort_unstable();
     numbers.dedup();

@@ -11,9 +11,9 @@ use crate::problem::{Problem, State};
 use crate::sample::{Sample, sample};
 use crate::stepper::Level;
 
-/// Rings of samples, with both poles.
+/// Number of rings of samples, including both poles.
 pub const ROWS: usize = 129;
-/// Meridians of samples.
+/// Number of meridians of samples.
 pub const COLUMNS: usize = 64;
 
 /// The shape after one step.
@@ -30,7 +30,7 @@ pub struct Step {
 pub struct Observables {
     /// Time, in τ.
     pub t: f64,
-    /// The neck, with u as a share of the mean meridian; `None` without a waist.
+    /// The neck, with u as a fraction of the mean meridian; `None` without a waist.
     pub neck: Option<Neck>,
     /// (V_above − V_below)/V for the parts on both sides of the neck; 0 without a neck.
     pub asymmetry: f64,
@@ -45,7 +45,7 @@ pub struct Observables {
 pub struct Still {
     /// Its observables.
     pub shape: Observables,
-    /// Samples on [`ROWS`] × [`COLUMNS`] places, row by row from the pole u = 0. Column j is the meridian φ = 2π j / [`COLUMNS`].
+    /// Samples at [`ROWS`] × [`COLUMNS`] points, row by row from the pole u = 0. Column j is the meridian φ = 2π j / [`COLUMNS`].
     pub samples: Vec<Sample>,
 }
 
@@ -131,7 +131,7 @@ impl Step {
         Step { shape, problem: problem.clone(), state: level.state.clone() }
     }
 
-    /// Its samples.
+    /// The samples of the surface.
     pub fn still(&self) -> Still {
         Still { shape: self.shape, samples: sample(&self.problem, &self.state, ROWS, COLUMNS) }
     }
@@ -143,7 +143,7 @@ impl Observables {
         self.neck.map(|_| self.asymmetry.abs())
     }
 
-    /// The observables at a share of the way to others.
+    /// Observables interpolated towards others by a given fraction.
     fn between(&self, other: &Observables, share: f64) -> Observables {
         let blend = |a: f64, b: f64| a + share * (b - a);
         let neck = |(a, b): (Neck, Neck)| Neck {
@@ -165,7 +165,7 @@ impl Observables {
 }
 
 impl Still {
-    /// The still at a share of the way to another.
+    /// The still interpolated towards another by a given fraction.
     fn between(&self, other: &Still, share: f64) -> Still {
         let blend = |a: f64, b: f64| a + share * (b - a);
         let vector = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|k| blend(a[k], b[k]));

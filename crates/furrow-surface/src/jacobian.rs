@@ -1,4 +1,4 @@
-//! Derivatives of the residual: forward differentiation at every point, then summed up around each ring and along the
+//! Derivatives of the residual: forward differentiation at every point, then summation around each ring and along the
 //! meridian.
 
 use multiversion::multiversion;
@@ -11,19 +11,19 @@ use crate::problem::{MESH_ROW, Problem, State, mesh_entries};
 use crate::space::{Meridian, Space, Station};
 use crate::splines::LOCAL;
 
-/// Inputs of the balance at a point: X and its five derivatives, v and its two, p, x₀ and z₀ of the ring's centre.
+/// Number of inputs of the balance at a point: X and its five derivatives, v and its two, p, x₀ and z₀ of the ring's centre.
 const INPUTS: usize = 30;
-/// The numbers among them by which the balance is differentiated: X and its derivatives. It is linear in the others.
+/// Number of inputs with respect to which the balance is differentiated: X and its derivatives. It is linear in the others.
 const SHAPE: usize = 18;
-/// The input p.
+/// Index of the input p.
 const PRESSURE: usize = 27;
-/// The inputs x₀ and z₀.
+/// Indices of the inputs x₀ and z₀.
 const CENTRE: usize = 28;
 /// Number of entries of a balance.
 const OUTPUTS: usize = 3 * BALANCES;
-/// Functions of u behind each harmonic: f, f′, f″ of X, then f and f′ of v.
+/// Number of functions of u for each harmonic: f, f′, f″ of X, then f and f′ of v.
 const TRIALS: usize = 5;
-/// Tests by each harmonic: by f, f′, f″ in the virtual power, and by f for the mesh.
+/// Number of test functions for each harmonic: f, f′, f″ in the virtual power, and f for the mesh.
 const TESTS: usize = 4;
 
 type Dual = Gradient<SHAPE>;
@@ -112,7 +112,7 @@ impl Ring {
                 [(0, 0, 18), (1, 0, 18), (2, 0, 18), (0, 18, 9), (1, 18, 6)].into_iter().enumerate()
             {
                 let mut sum = [0.0; OUTPUTS];
-                // A flow has no second derivatives: only v, v_u and v_φ.
+                // Only v, v_u and v_φ occur, no second derivatives of the flow.
                 for (k, factor) in entries[d].list().iter().filter(|(k, _)| *k < limit) {
                     add(&mut sum, factor * weight, &derivatives[first + k]);
                 }
@@ -138,12 +138,12 @@ impl Ring {
     }
 }
 
-/// Sums over an element: rows (spline, mesh or flow, harmonic), columns (spline, X or v, harmonic), and p.
+/// Sums over an element, with rows (spline, mesh or flow, harmonic), columns (spline, X or v, harmonic), and p.
 struct Element {
     count: usize,
     matrix: Vec<f64>,
     pressure: Vec<f64>,
-    /// One ring with the splines of the columns put in.
+    /// One ring multiplied by the splines of the columns.
     trial: Vec<f64>,
 }
 
@@ -207,7 +207,7 @@ impl Element {
             if let Some(row) = unknowns[k] {
                 into.borders[0].column[row] += self.pressure[k];
             }
-            // The volume grows by ∫ n·δX dA, which is what p multiplies with the sign changed.
+            // The volume increases by ∫ n·δX dA, which is minus the coefficient of p.
             if let Some(column) = unknowns[k - count] {
                 into.borders[0].row[column] -= self.pressure[k];
             }
@@ -218,8 +218,8 @@ impl Element {
 }
 
 impl Problem {
-    /// Derivatives of the residual at a state: balances by unknowns, the pressure last, and the volume in the last row. How
-    /// the cue's place moves with the surface is left out.
+    /// Derivatives of the residual at a state: balances by unknowns, the pressure last, and the volume in the last row. The
+    /// dependence of the cue's position on the surface is neglected.
     pub fn jacobian(&self, state: &State) -> Bordered {
         let mut out = Bordered::zeros(&self.space.blocks);
         assemble(self, state, &mut out);

@@ -1,4 +1,4 @@
-//! The force balance of the cortex at a point of a general surface, stated once for any number type.
+//! The force balance of the cortex at a point of a general surface, generic over the number type.
 //!
 //! The surface is X(u, φ) with the outward normal n = X_u × X_φ/J, J = |X_u × X_φ|, the metric g_ij = ∂_iX·∂_jX and the
 //! curvatures C_ij = −n·∂_i∂_jX, C = g^ij C_ij. For every test field W the virtual power vanishes:
@@ -9,10 +9,10 @@
 //! * \[S.3 energy\] δ_W ∫ (½κ(C − C0)² + γ) dA = ∫ {κ(C − C0) [−g^ij n·(∂_i∂_jW − Γ^k_ij ∂_kW) − 2C^ij ∂_iX·∂_jW] + (½κ(C − C0)² + γ) g^ij ∂_iX·∂_jW} dA
 //!   with the Christoffel symbols Γ^k_ij, where κ and γ move with the material.
 //!
-//! The velocity v is the material's. The mesh only shares its normal part, \[S.4 surface\] (∂_tX − v)·n = 0, and is spread
+//! v is the velocity of the material. The mesh has the same normal velocity, \[S.4 surface\] (∂_tX − v)·n = 0, and is distributed
 //! along the surface by \[S.5 mesh\], the tangential part of ∂_u(a X_u) + b (X_φφ + X − (x₀, 0, z₀)) = c (x₀, 0, 0), where
-//! (x₀, 0, z₀) is the centre of the ring: every meridian is a string under tension, and rings are drawn to circles. Alone this would
-//! leave the poles free to move along the surface; near them the centres of the rings are drawn to the axis.
+//! (x₀, 0, z₀) is the centre of the ring: every meridian acts as a string under tension, and rings are drawn towards circles. Since
+//! this would leave the poles free to move along the surface, the centres of the rings near them are drawn to the axis.
 
 use crate::number::Number;
 use crate::own::Own;
@@ -29,47 +29,47 @@ pub type Shape<D> = [Vector<D>; 6];
 /// The velocity of the material at a point and its derivatives: v, v_u, v_φ.
 pub type Flow<D> = [Vector<D>; 3];
 
-/// What multiplies W, W_u, W_φ, W_uu, W_uφ, W_φφ in the virtual power, per du dφ; and, at the end, what multiplies a
-/// test field of the mesh in S.4 and S.5, the same for all fields: a normal field is a sum of many of them.
+/// The coefficients of W, W_u, W_φ, W_uu, W_uφ, W_φφ in the virtual power, per du dφ; and, at the end, the coefficient of a
+/// test field of the mesh in S.4 and S.5, which is the same for all fields, since a normal field is a sum of many of them.
 pub type Balance<D> = [Vector<D>; BALANCES];
 
 /// Number of vectors in a [`Balance`].
 pub const BALANCES: usize = 7;
 
-/// Everything at a point that does not depend on the unknowns.
+/// All quantities at a point that do not depend on the unknowns.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
     /// Coefficients of the equations, with the cue.
     pub local: LocalCoefficients<f64>,
     /// Constants of the shell.
     pub shell: ShellCoefficients<f64>,
-    /// 1/x², 1/y², 1/z² of its half axes.
+    /// 1/x², 1/y², 1/z² for its half-axes.
     pub inverse_axes2: Vector<f64>,
-    /// u and s where an own law reads them, on the mean meridian.
+    /// u and s on the mean meridian, if a user-defined law uses them.
     pub along: [f64; 2],
-    /// Factor of the activity: noise.
+    /// Factor of the activity from the noise.
     pub noise: f64,
-    /// 1/Δt of the implicit step, its leading coefficient.
+    /// Leading coefficient of the implicit step, about 1/Δt.
     pub rate: f64,
-    /// Rest of the implicit step: ∂_tX = rate·X + past.
+    /// Remaining part of the implicit step: ∂_tX = rate·X + past.
     pub past: Vector<f64>,
-    /// The mesh's a, ∂_ua, b and c.
+    /// a, ∂_ua, b and c of the mesh.
     pub mesh: [f64; 4],
-    /// The mesh's drag, in τ/L_h².
+    /// Drag of the mesh, in τ/L_h².
     pub drag: f64,
     /// The wall that this point may touch.
     pub contact: Contact,
 }
 
-/// The repulsion of a wall opposite to a point, S.6: the pressure f exp((2n·(X − X₀) − d)/λ), since the wall at distance d from X₀
-/// comes as near as the point.
+/// The repulsion of the wall opposite to a point, S.6: the pressure f exp((2n·(X − X₀) − d)/λ), since the wall at distance d from X₀
+/// moves by the same distance as the point.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Contact {
     /// Pressure at distance 0; 0 without a wall.
     pub pressure: f64,
     /// 1/λ.
     pub decay: f64,
-    /// Where the distance was measured.
+    /// Point at which the distance was measured.
     pub origin: Vector<f64>,
     /// Normal along which it was measured.
     pub normal: Vector<f64>,
@@ -87,7 +87,7 @@ fn cross<D: Number>(a: &Vector<D>, b: &Vector<D>) -> Vector<D> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// s·a, added to `to`.
+/// Adds s·a to `to`.
 #[inline(always)]
 fn add<D: Number>(to: &mut Vector<D>, s: D, a: &Vector<D>) {
     for (to, a) in to.iter_mut().zip(a) {
@@ -173,12 +173,12 @@ pub fn active_stress<D: Number>(place: &Place, geometry: &Geometry<D>) -> Symmet
 pub fn viscous_stress<D: Number>(place: &Place, geometry: &Geometry<D>, x: &Shape<D>, v: &Flow<D>) -> Symmetric<D> {
     let (g, local) = (&geometry.inverse_metric, &place.local);
     let strain = [dot(&x[1], &v[1]), (dot(&x[1], &v[2]) + dot(&x[2], &v[1])) * 0.5, dot(&x[2], &v[2])];
-    // η_b + η_s less η_b − η_s is 2η_s.
+    // (η_b + η_s) − (η_b − η_s) = 2η_s.
     let shear = local.eta_sum - local.eta_difference;
     mix(raise(g, &strain), *g, D::from(shear), trace(g, &strain) * local.eta_difference)
 }
 
-/// The normal force f_c of the shell, M.9 with the half axes of S.7 or M.31 of its profile, and of a wall that the point touches.
+/// The normal force f_c of the shell (M.9 with the half-axes of S.7, or M.31 of its profile) and of a wall in contact with the point.
 #[inline(always)]
 pub fn wall_force<D: Number + Algebra>(
     place: &Place,
@@ -213,7 +213,8 @@ fn add_tension<D: Number>(out: &mut Balance<D>, tension: &Symmetric<D>, x: &Shap
     }
 }
 
-/// The balance at a point: see [`Balance`]. `centre` is x₀ and z₀ of the ring's centre, `own` the cell's own law in place of S.2, and its shell's profile.
+/// The balance at a point: see [`Balance`]. `centre` is x₀ and z₀ of the ring's centre, `own` is a user-defined law instead of S.2,
+/// and the profile of the shell.
 #[inline(always)]
 pub fn balance<D: Number + Algebra>(
     place: &Place,
@@ -240,7 +241,7 @@ pub fn balance<D: Number + Algebra>(
             own.stress
         }
     };
-    // Tension along the surface: active, and the share of the bending energy.
+    // Tension along the surface: active tension and the contribution of the bending energy.
     let elastic = mix(*g, raise(g, curvature), energy, moment * -2.0);
     add_tension(&mut out, &mix(active, elastic, *area, *area), x);
     let bending = moment * *area;
@@ -252,7 +253,7 @@ pub fn balance<D: Number + Algebra>(
     }
     add(&mut out[0], -*area * (pressure + force), normal);
     if !place.shell.rigidity_gradient {
-        // The paper's reading lacks ½(C − C0)²∇κ, which the energy brings.
+        // The paper's formulation lacks ½(C − C0)²∇κ, which follows from the energy.
         let slope = bent * bent * *area * (0.5 * local.kappa_u);
         add(&mut out[0], slope * g[0], &x[1]);
         add(&mut out[0], slope * g[1], &x[2]);
@@ -276,14 +277,14 @@ pub fn by_flow<D: Number>(place: &Place, geometry: &Geometry<D>, x: &Shape<D>, v
     out
 }
 
-/// What multiplies the pressure in the balance.
+/// The coefficient of the pressure in the balance.
 pub fn by_pressure(geometry: &Geometry<f64>) -> Balance<f64> {
     let mut out = [[0.0; 3]; BALANCES];
     add(&mut out[0], -geometry.area, &geometry.normal);
     out
 }
 
-/// What multiplies x₀ and z₀ of the ring's centre in the mesh's balance.
+/// The coefficients of x₀ and z₀ of the ring's centre in the balance of the mesh.
 pub fn by_centre(place: &Place, geometry: &Geometry<f64>) -> [Vector<f64>; 2] {
     let [.., b, c] = place.mesh;
     [(0, b + c), (2, b)].map(|(axis, weight)| {

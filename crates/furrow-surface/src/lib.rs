@@ -1,20 +1,20 @@
-//! A dividing cell's cortex as a surface without axial symmetry.
+//! The cortex of a dividing cell as a surface without axial symmetry.
 //!
 //! The surface and its flow are splines of degree 4 along the contour times Fourier modes around it. The book numbers the
 //! equations S.1 to S.9.
 //!
 //! | module | content |
 //! |---|---|
-//! | [`law`] | balance of forces by virtual power, for any type of number: S.1–S.6 |
-//! | [`own`] | laws of active stress of the cell's own: S.9 |
+//! | [`law`] | balance of forces by virtual power, for any number type: S.1–S.6 |
+//! | [`own`] | user-defined laws of active stress: S.9 |
 //! | [`splines`], [`space`] | functions on the surface, regular at the poles |
 //! | [`problem`], [`newton`], [`linear`] | the discrete equations and their solution |
-//! | [`mesh`] | how rings are spread along the surface |
-//! | [`plane`] | the mirror plane, a flattened shell and cues at one side of the axis |
-//! | [`contact`], [`crossing`] | walls of a furrow that touch, and surfaces that cross themselves |
+//! | [`mesh`] | distribution of rings along the surface |
+//! | [`plane`] | the mirror plane, a flattened shell and one-sided cues |
+//! | [`contact`], [`crossing`] | contact of the walls of a furrow, self-intersections |
 //! | [`stepper`], [`division`], [`noise`] | motion in time up to pinch-off or rest |
-//! | [`steady`], [`rates`] | states at rest and their growth rates |
-//! | [`bent`], [`bent_curves`] | branches of bent states at rest; their odd pitchfork and fold over R0 or ε |
+//! | [`steady`], [`rates`] | stationary states and their growth rates |
+//! | [`bent`], [`bent_curves`] | branches of bent stationary states; their odd pitchfork and fold over R0 or ε |
 //! | [`neck`], [`sample`], [`film`] | observables and samples of a shape |
 
 pub mod bent;

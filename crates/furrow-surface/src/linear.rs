@@ -1,7 +1,7 @@
 //! A block-tridiagonal matrix with bordering rows and columns, and its factorisation.
 //!
-//! Splines of degree 4 couple four neighbours on each side, so that blocks of four splines are coupled to their neighbours
-//! alone. Rows are exchanged within a block only. The first border is the pressure with the condition on the volume; a branch
+//! Splines of degree 4 couple to four neighbours on each side, so blocks of four splines are coupled only to the neighbouring
+//! blocks. Pivoting is restricted to a block. The first border is the pressure with the condition on the volume; a branch
 //! adds its parameter with the condition on its amplitude.
 
 use std::ops::Range;
@@ -24,10 +24,10 @@ pub struct Bordered {
     pub borders: Vec<Border>,
 }
 
-/// A column and a row beside the blocks.
+/// A bordering column and row.
 #[derive(Clone, Debug)]
 pub struct Border {
-    /// What multiplies the border's unknown.
+    /// The coefficients of the border's unknown.
     pub column: Vec<f64>,
     /// The border's equation.
     pub row: Vec<f64>,
@@ -111,7 +111,7 @@ impl Bordered {
         let mut factors: Vec<PartialPivLu<f64>> = Vec::with_capacity(self.blocks.len());
         for k in 0..self.blocks.len() {
             if let Some(before) = factors.last() {
-                // With the block above eliminated: D_k − L_{k−1} D_{k−1}⁻¹ U_{k−1}.
+                // The Schur complement D_k − L_{k−1} D_{k−1}⁻¹ U_{k−1}.
                 before.solve_in_place(self.upper[k - 1].as_mut());
                 let (lower, upper) = (self.lower[k - 1].as_ref(), self.upper[k - 1].as_ref());
                 faer::linalg::matmul::matmul(

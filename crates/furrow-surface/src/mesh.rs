@@ -1,11 +1,11 @@
-//! How the mesh is spread along the surface: the density of rings along the mean meridian, and the weights of S.5.
+//! Distribution of the mesh along the surface: the density of rings along the mean meridian, and the weights of S.5.
 
 use crate::law::Geometry;
 use crate::problem::Problem;
 use crate::space::{Meridian, Space, Station};
 use crate::splines::DEGREE;
 
-/// The density of rings, and the weights that follow from it.
+/// The density of rings and the resulting weights.
 #[derive(Clone, Debug)]
 pub struct Mesh {
     /// Coefficients of the density ρ = (1/L) ds/du of the mean meridian; by spline.
@@ -15,14 +15,14 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Rings at equal distances.
+    /// Equidistant rings.
     pub fn uniform(space: &Space) -> Mesh {
         Mesh { density: vec![1.0; space.splines()], weights: vec![[1.0, 0.0, 0.0, 0.0]; space.stations.len()] }
     }
 
-    /// The share of the mean meridian from the pole u = 0 to every station.
+    /// The fraction of the mean meridian from the pole u = 0 to every station.
     pub fn shares(&self, space: &Space) -> Vec<f64> {
-        // The integral of a spline of degree 4 by a rule that is exact for it, on the part of the element before the station.
+        // The integral of a spline of degree 4, by an exact rule, over the part of the element before the station.
         let (points, weights) = furrow_bvp::gauss::gauss_rule(3);
         let mut before = 0.0;
         let mut element = 0;
@@ -49,7 +49,7 @@ impl Mesh {
         out
     }
 
-    /// Sets the weights for a surface near the one that is solved for, with mean meridian of length `length`.
+    /// Sets the weights for a surface near the solution, with a mean meridian of length `length`.
     pub fn follow(&mut self, space: &Space, surface: &[f64], length: f64) {
         let mut functions = Vec::new();
         self.weights.clear();
@@ -74,21 +74,21 @@ pub fn ring(space: &Space, functions: &[[f64; 3]]) -> f64 {
     squares.sum::<f64>().sqrt()
 }
 
-/// How strongly rings are drawn to circles, relative to the tension of meridians. With 1, deep furrows tangle the mesh.
+/// Strength with which rings are drawn towards circles, relative to the tension of meridians. With 1, deep furrows tangle the mesh.
 const RINGS: f64 = 3.0;
 
-/// How strongly the centres of rings at the poles are drawn to the axis, relative to how the mesh is spread: the square of a wave number on a
-/// contour of length 1.
+/// Strength with which the centres of rings at the poles are drawn to the axis, relative to the tension of the mesh: the square of a
+/// wave number on a contour of length 1.
 const AXIS: f64 = 1000.0;
 
-/// Weight of curvature beside arclength in the density of rings.
+/// Weight of curvature relative to arclength in the density of rings.
 const CURVATURE: f64 = 4.0;
 
-/// Passes of smoothing over the stations.
+/// Number of smoothing passes over the stations.
 const PASSES: usize = 100;
 
 impl Problem {
-    /// The density of rings that spreads arclength and the turning of the steepest meridian equally.
+    /// The density of rings that equidistributes arclength and the turning of the steepest meridian.
     pub fn wanted_density(&self, surface: &[f64]) -> Vec<f64> {
         let space = &self.space;
         let (speeds, length) = self.speeds(surface);
@@ -121,7 +121,7 @@ impl Problem {
             })
             .collect();
         let splines = space.splines();
-        // The mean of a spline's knots, where its coefficient is the function's value to second order.
+        // The mean of a spline's knots, at which its coefficient equals the function's value to second order.
         let place = |spline: usize| {
             let knots = (1..=DEGREE).map(|k| (spline + k).saturating_sub(DEGREE).min(space.elements));
             knots.sum::<usize>() as f64 / (DEGREE * space.elements) as f64

@@ -1,4 +1,4 @@
-//! Rings of the mesh, the neck among them, and the parts of the cell on both sides.
+//! Rings of the mesh, including the neck, and the parts of the cell on both sides of it.
 
 use crate::problem::volume_density;
 use crate::space::Space;
@@ -8,7 +8,7 @@ use crate::space::Space;
 pub struct Neck {
     /// Coordinate u of the mesh.
     pub u: f64,
-    /// Length over 2π, in L_h.
+    /// Length divided by 2π, in L_h.
     pub radius: f64,
     /// Distance of its centre from the axis, towards +x, in L_h.
     pub offset: f64,
@@ -16,11 +16,11 @@ pub struct Neck {
     pub height: f64,
     /// Angle between its plane and the plane across the axis, in degrees; positive if it rises towards +x.
     pub tilt: f64,
-    /// 4π times the area inside it over its length squared: 1 for a circle, near 0 for a slit.
+    /// 4π times the enclosed area divided by the length squared: 1 for a circle, near 0 for a slit.
     pub roundness: f64,
 }
 
-/// Points x, z of the ring at u, with its length and twice the area within it for each radian of φ there.
+/// Points x, z of the ring at u, with its length and twice the enclosed area per radian of φ.
 fn ring(space: &Space, surface: &[f64], u: f64) -> Vec<[f64; 4]> {
     let mut functions = Vec::new();
     space.functions(surface, &space.station(u), &mut functions);
@@ -32,24 +32,24 @@ fn ring(space: &Space, surface: &[f64], u: f64) -> Vec<[f64; 4]> {
     space.meridians.iter().map(point).collect()
 }
 
-/// Length over 2π of the ring at u.
+/// Length of the ring at u divided by 2π.
 pub(crate) fn radius_at(space: &Space, surface: &[f64], u: f64) -> f64 {
     let points = ring(space, surface, u);
     points.iter().map(|[_, _, part, _]| part).sum::<f64>() / points.len() as f64
 }
 
-/// Places between two stations at which the neck is sought.
+/// Number of positions between two stations at which the neck is sought.
 const REFINEMENTS: usize = 40;
 
 /// The neck of a surface; `None` without a waist.
 pub fn neck(space: &Space, surface: &[f64]) -> Option<Neck> {
     let radii: Vec<f64> = space.stations.iter().map(|station| radius_at(space, surface, station.u)).collect();
-    // How far the rings widen on both sides decides between several waists.
+    // Among several waists, the widening of the rings on both sides decides.
     let widest = |radii: &[f64]| radii.iter().copied().fold(0.0, f64::max);
     let depth = |k: usize| widest(&radii[..k]).min(widest(&radii[k + 1..])) - radii[k];
     let waists = (1..radii.len() - 1).filter(|&k| radii[k] <= radii[k - 1] && radii[k] < radii[k + 1]);
     let k = waists.max_by(|&a, &b| depth(a).total_cmp(&depth(b)))?;
-    // The golden section between the neighbours.
+    // Golden-section search between the neighbours.
     let [mut low, mut high] = [space.stations[k - 1].u, space.stations[k + 1].u];
     const SHARE: f64 = 0.381_966_011_250_105;
     for _ in 0..REFINEMENTS {
@@ -72,7 +72,7 @@ pub fn neck(space: &Space, surface: &[f64]) -> Option<Neck> {
 pub fn asymmetry(space: &Space, surface: &[f64], neck: &Neck) -> f64 {
     let centre = [neck.offset, 0.0, neck.height];
     let mut functions = Vec::new();
-    // With the centre of the neck as origin, the cut itself has no share in the volume.
+    // With the centre of the neck as origin, the cut itself does not contribute to the volume.
     let mut volume = |from: f64, to: f64| {
         let (points, weights) = furrow_bvp::gauss::gauss_rule(5);
         let mut sum = 0.0;

@@ -10,19 +10,19 @@ use crate::problem::{Problem, Residual, State};
 pub struct Newton {
     /// Largest change of a coefficient of the surface, relative to R0, at which the iteration ends.
     pub tolerance: f64,
-    /// The same relative to the first change. A step must know how its shape differs from the one that the last steps suggest,
-    /// however small that is, or else small disturbances move by inertia.
+    /// The same relative to the first change. The difference of a shape from its extrapolation must be resolved even if it is small;
+    /// otherwise small disturbances continue unchanged, as if by inertia.
     pub share: f64,
-    /// Most iterations.
+    /// Largest number of iterations.
     pub iterations: usize,
-    /// Contraction above which the derivatives are computed anew.
+    /// Contraction factor above which the derivatives are recomputed.
     pub slow: f64,
 }
 
-/// Changes below this, relative to R0, are rounding.
+/// Changes below this, relative to R0, are rounding errors.
 const ROUNDING: f64 = 1e-10;
 
-/// Why Newton's method failed.
+/// The reason why Newton's method failed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NewtonError {
     /// The linear equations are singular.
@@ -63,7 +63,7 @@ impl Problem {
         (self.constants.volume * 0.75 / std::f64::consts::PI).cbrt()
     }
 
-    /// Removes the change of the volume of second order in the last step.
+    /// Removes the second-order change of the volume of the last step.
     fn keep_volume(&self, state: &mut State, factored: &Factored) {
         let excess = self.volume(&state.surface) - self.constants.volume;
         let mut change = vec![0.0; self.space.unknowns()];
@@ -71,7 +71,7 @@ impl Problem {
         self.change(state, &change, border[0]);
     }
 
-    /// Solves for a state near the given one. `known` may hold derivatives of a problem nearby, and keeps the last ones.
+    /// Solves for a state near the given one. `known` may contain the derivatives of a similar problem, and returns the last ones.
     ///
     /// # Errors
     /// [`NewtonError`]; the state is then the last iterate.
@@ -102,7 +102,7 @@ impl Problem {
             if !(change.is_finite() && pressure.is_finite()) {
                 return Err(NewtonError::NotConverged { change, iterations: iteration + 1 });
             }
-            // Newton's own changes shrink quadratically, those with old derivatives linearly.
+            // Newton steps converge quadratically, steps with old derivatives linearly.
             let contraction = change / before;
             let left = if contraction < 1.0 { change * contraction / (1.0 - contraction) } else { change };
             if iteration == 0 {

@@ -1,4 +1,4 @@
-//! The seeded noise on the activity, which chooses between the sides of a cell.
+//! The seeded noise on the activity, which determines the side of asymmetric divisions.
 
 use std::f64::consts::PI;
 
@@ -7,10 +7,10 @@ use furrow_mechanics::division::noise::Noise;
 
 use crate::problem::Problem;
 
-/// Azimuthal numbers that the noise excites; disturbances with more waves die away.
+/// Largest azimuthal mode number excited by the noise; disturbances of larger m decay.
 const EXCITED: usize = 2;
 
-/// The factor 1 + Σ r_nm cos(nπu) cos(mφ) on the activity at every station and meridian, with u the share of the contour: the
+/// The factor 1 + Σ r_nm cos(nπu) cos(mφ) on the activity at every station and meridian, with u the fraction of the contour: the
 /// noise of the axisymmetric division with the same seed, n = 1 … 10, and n = 0 … 9 for m = 1 and 2.
 /// With `even` only the terms that are even about u = ½ are kept.
 pub fn factors(problem: &Problem, surface: &[f64], numerics: &Numerics, seed: u64, even: bool) -> Vec<f64> {

@@ -1,11 +1,11 @@
-//! Numbers in which the balance at a point can be evaluated: plain ones, any that carry derivatives, and [`Gradient`], which
+//! Number types for the balance at a point: plain numbers, numbers with derivatives, and [`Gradient`], which
 //! the compiler vectorises.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 use furrow_cell::law::{Algebra, Function};
 
-/// The arithmetic of the balance.
+/// The arithmetic operations of the balance.
 pub trait Number:
     Copy
     + From<f64>
@@ -41,7 +41,7 @@ impl<D: furrow_cell::Number> Number for D {
     }
 }
 
-/// A number with its derivatives by N others.
+/// A number with its derivatives with respect to N variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gradient<const N: usize> {
     /// The number.
@@ -50,7 +50,7 @@ pub struct Gradient<const N: usize> {
     pub by: [f64; N],
 }
 
-/// As `std::array::from_fn`, which the compiler does not always inline.
+/// Like `std::array::from_fn`, which the compiler does not always inline.
 #[inline(always)]
 fn map<const N: usize>(each: impl Fn(usize) -> f64) -> [f64; N] {
     let mut out = [0.0; N];
@@ -61,7 +61,7 @@ fn map<const N: usize>(each: impl Fn(usize) -> f64) -> [f64; N] {
 }
 
 impl<const N: usize> Gradient<N> {
-    /// The k-th of the N numbers.
+    /// The k-th of the N variables.
     #[inline(always)]
     pub fn variable(value: f64, k: usize) -> Gradient<N> {
         let mut by = [0.0; N];
@@ -69,7 +69,7 @@ impl<const N: usize> Gradient<N> {
         Gradient { value, by }
     }
 
-    /// f of the number, with f′.
+    /// Applies a function with the value f and the derivative f′.
     #[inline(always)]
     fn chain(self, value: f64, slope: f64) -> Gradient<N> {
         Gradient { value, by: map(|k| slope * self.by[k]) }

@@ -1,12 +1,13 @@
-//! A law of active stress or a shell of the cell's own, on a surface without axial symmetry.
+//! User-defined laws of active stress and shell profiles on a surface without axial symmetry.
 //!
-//! With the mean curvature m = ½C the deviator D_ij = C_ij − m g_ij and its size δ = √(½ D^ij D_ij), the principal curvatures are m ± δ. A law gives the stresses T₊ and T₋ along the two principal directions:
+//! With the mean curvature m = ½C, the deviator D_ij = C_ij − m g_ij and its norm δ = √(½ D^ij D_ij), the principal curvatures are
+//! m ± δ. A law gives the stresses T₊ and T₋ along the two principal directions:
 //!
 //! * \[S.9 own law\] T^ij = ½(T₊ + T₋) g^ij + (T₊ − T₋)/(2δ) D^ij.
 //!
-//! A law that does not tell c1 from c2 gives the same tensor whichever direction is first, smooth where δ = 0. There the quotient is
-//! evaluated at a small δ; the error of T^ij is of second order in it. The moment M^a adds to κ(C − C0), the factor of the rate of C, as in
-//! M.28 and M.29, and the normal force to the shell's.
+//! If the law is symmetric in c1 and c2, the tensor does not depend on the order of the directions and is smooth at δ = 0. There the
+//! quotient is evaluated at a small δ; the error of T^ij is of second order in it. The moment M^a is added to κ(C − C0), the factor of
+//! the rate of C, as in M.28 and M.29, and the normal force to the shell's.
 
 use furrow_cell::law::{Algebra, Function, LawValues, VARIABLES, Variable};
 use furrow_cell::profile::Factor;
@@ -15,15 +16,15 @@ use furrow_mechanics::cortex::equations::Constants;
 use crate::law::{Geometry, Place, Symmetric, Vector, mix, raise};
 use crate::number::Number;
 
-/// The least δ, relative to 1/R0.
+/// The smallest δ, relative to 1/R0.
 const LEAST: f64 = 1e-5;
 
-/// A law, a shell's profile, or both, and working memory.
+/// A law, a shell profile, or both, with working memory.
 #[derive(Clone, Debug)]
 pub struct Own<D> {
     law: Option<LawValues<D>>,
     profile: Option<Factor>,
-    /// The square of the least δ.
+    /// The square of the smallest δ.
     least: f64,
     memory: Vec<D>,
 }
@@ -40,7 +41,7 @@ pub struct Active<D> {
 }
 
 impl<D: Number + Algebra> Own<D> {
-    /// The law and the shell's profile of a cell's constants; `None` if they are the paper's.
+    /// The law and the shell profile of a cell; `None` if both are the paper's.
     pub fn of(constants: &Constants<f64>) -> Option<Own<D>> {
         let radius = (constants.volume * 0.75 / std::f64::consts::PI).cbrt();
         let law = constants.law.as_ref().map(|law| law.map(|value| D::from(value)));
@@ -75,7 +76,7 @@ impl<D: Number + Algebra> Own<D> {
     }
 }
 
-/// The quantities of a place with these principal curvatures.
+/// The local quantities for these principal curvatures.
 fn quantities<D: Number + Algebra>(
     law: &LawValues<D>,
     place: &Place,

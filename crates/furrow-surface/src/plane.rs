@@ -1,4 +1,4 @@
-//! The mirror plane of a cell without axial symmetry, φ = 0 and π, which holds its axis and everything at one side of it.
+//! The mirror plane of a cell without axial symmetry, φ = 0 and π, which contains the axis and the sides of all one-sided terms.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -8,17 +8,17 @@ use furrow_mechanics::division::DivisionError;
 
 use crate::law::Vector;
 
-/// Where the plates that flatten a shell are.
+/// Orientation of the plates that flatten a shell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plates {
-    /// Parallel to the mirror plane: the cell may bend within the plane midway between them.
+    /// Parallel to the mirror plane: the cell may bend within the plane midway between the plates.
     Beside,
-    /// Across the mirror plane: the cell may bend towards them.
+    /// Perpendicular to the mirror plane: the cell may bend towards the plates.
     Across,
 }
 
 impl Plates {
-    /// Factors that turn 1/x², 1/y², 1/z² of a round shell's half axes into the half axes of S.7.
+    /// Factors that convert 1/x², 1/y², 1/z² from the half-axes of a round shell to the half-axes of S.7.
     pub fn factors(self, flattening: f64) -> Vector<f64> {
         let (wide, thin) = (flattening, 1.0 / (flattening * flattening));
         match self {
@@ -28,13 +28,13 @@ impl Plates {
     }
 }
 
-/// Angles closer than this, in radians, are equal.
+/// Angles that differ by less than this, in radians, are equal.
 const EQUAL: f64 = 1e-9;
 
-/// The cell turned so that all sides of its cue are at φ = 0 or π, and where the plates are then.
+/// The cell rotated so that all sides of its cue are at φ = 0 or π, and the resulting orientation of the plates.
 ///
 /// # Errors
-/// No mirror plane holds them, or the law needs slopes that they do not have.
+/// No mirror plane contains them, or the law needs slopes that they do not have.
 pub fn turned(cell: &Cell) -> Result<(Cell, Plates), DivisionError> {
     let unsupported = |what, instead| Err(DivisionError::Unsupported { what, instead });
     let mut turned = Cell { cue: cell.cue.simplified(), ..cell.clone() };
@@ -69,7 +69,7 @@ pub fn turned(cell: &Cell) -> Result<(Cell, Plates), DivisionError> {
     }
 }
 
-/// How many times `unit` is in an angle, if it is a multiple of it.
+/// The angle divided by `unit`, if it is an integer multiple.
 fn multiple(angle: f64, unit: f64) -> Option<i64> {
     let times = (angle / unit).round();
     ((angle - times * unit).abs() < EQUAL).then_some(times as i64)

@@ -1,4 +1,4 @@
-//! The discrete problem of one cell: residuals and derivatives of the balances on all test fields.
+//! The discrete problem of one cell: residuals of the balances for all test fields.
 
 use furrow_bvp::Gauss;
 use furrow_cell::Cell;
@@ -21,12 +21,12 @@ pub struct State {
     pub pressure: f64,
 }
 
-/// The motion of the surface in an implicit step: ∂_tX = rate·X + past.
+/// The motion of the surface in an implicit step, ∂_tX = rate·X + past.
 #[derive(Clone, Debug, Default)]
 pub struct Motion {
     /// Leading coefficient, in 1/τ; 0 for stationary surfaces.
     pub rate: f64,
-    /// Coefficients of the rest; empty if `rate` = 0.
+    /// Coefficients of `past`; empty if `rate` = 0.
     pub past: Vec<f64>,
 }
 
@@ -35,28 +35,28 @@ pub struct Motion {
 pub struct Residual {
     /// Balances, by unknown.
     pub balances: Vec<f64>,
-    /// Volume less the cell's, in L_h³.
+    /// Volume minus the cell's volume, in L_h³.
     pub volume: f64,
 }
 
-/// One cell on its space.
+/// The problem of one cell in its function space.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// The space.
+    /// The function space.
     pub space: Space,
     /// Constants of the cell.
     pub constants: Constants<f64>,
-    /// How plates change 1/x², 1/y², 1/z² of the half axes of a round shell: factors.
+    /// Factors by which plates change 1/x², 1/y², 1/z² for the half-axes of a round shell.
     pub plates: Vector<f64>,
-    /// How the mesh is spread.
+    /// The distribution of the mesh.
     pub mesh: Mesh,
-    /// Drag of the mesh, in τ/L_h²: how fast it follows its wanted spread. 0 at rest.
+    /// Drag of the mesh, in τ/L_h², which sets how fast it follows its target distribution; 0 for stationary surfaces.
     pub drag: f64,
     /// Motion of the surface.
     pub motion: Motion,
     /// Factor of the activity by station × meridian; empty if it is 1.
     pub noise: Vec<f64>,
-    /// Walls that points touch, by station × meridian; empty without contact.
+    /// Walls in contact with points, by station × meridian; empty without contact.
     pub contacts: Vec<Contact>,
     gauss: Gauss,
 }
@@ -77,14 +77,14 @@ impl Problem {
         }
     }
 
-    /// 1/x², 1/y², 1/z² of the half axes of the shell, S.7, in 1/L_h².
+    /// 1/x², 1/y², 1/z² for the half-axes of the shell, S.7, in 1/L_h².
     pub fn inverse_axes2(&self) -> Vector<f64> {
         let ShellCoefficients { inverse_a2, inverse_b2, .. } = self.constants.shell;
         let [x, y, z] = self.plates;
         [x * inverse_b2, y * inverse_b2, z * inverse_a2]
     }
 
-    /// The weights of the mesh for a surface near the one that is solved for.
+    /// The weights of the mesh for a surface near the solution.
     pub fn spread(&mut self, surface: &[f64]) {
         let (_, length) = self.speeds(surface);
         self.mesh.follow(&self.space, surface, length);
@@ -108,7 +108,7 @@ impl Problem {
         self.speeds(surface).1
     }
 
-    /// A place without motion at a share of the contour.
+    /// The quantities at a fraction of the contour, without motion.
     pub fn place_at(&self, share: f64, length: f64) -> Place {
         Place {
             local: self.constants.at(share, length),
@@ -149,7 +149,7 @@ impl Problem {
         (space.stations.iter().map(speed).collect(), length)
     }
 
-    /// The share of the contour from the pole u = 0 to every station, by the arclength of the mean meridian.
+    /// The fraction of the contour from the pole u = 0 to every station, by the arclength of the mean meridian.
     pub fn shares(&self, speeds: &[f64], length: f64) -> Vec<f64> {
         let m = self.gauss.m;
         let width = 1.0 / (self.space.elements as f64 * length);
@@ -163,7 +163,7 @@ impl Problem {
         out
     }
 
-    /// Coefficients of the equations at every station, or at every station × meridian for a cue at one side of the axis.
+    /// Coefficients of the equations at every station, or at every station × meridian for a one-sided cue.
     fn coefficients(&self, surface: &[f64]) -> Vec<LocalCoefficients<f64>> {
         if !self.constants.vary() {
             return vec![self.constants.uniform; self.space.stations.len()];
@@ -176,7 +176,7 @@ impl Problem {
         }
         let at = |(share, speed): (f64, f64)| {
             let mut local = self.constants.at(share, length);
-            // By the mesh's coordinate.
+            // The derivative is with respect to the mesh's coordinate.
             local.kappa_u *= speed / length;
             local.tension_u *= speed / length;
             local
@@ -184,7 +184,7 @@ impl Problem {
         self.shares(&speeds, length).into_iter().zip(speeds).map(at).collect()
     }
 
-    /// u and s at every station where an own law reads them; empty if it does not.
+    /// u and s at every station if a user-defined law uses them; otherwise empty.
     fn along(&self, surface: &[f64]) -> Vec<[f64; 2]> {
         let Some(law) = self.constants.law.as_ref().filter(|law| law.placed) else { return Vec::new() };
         let (speeds, length) = self.speeds(surface);
@@ -249,7 +249,7 @@ impl Problem {
         let space = &self.space;
         let count = space.harmonics.len();
         let mut out = Residual { balances: vec![0.0; space.unknowns()], volume: -self.constants.volume };
-        // Tests at a station: by f, f′, f″ of the flow's, and by f of the mesh's.
+        // Test functions at a station: f, f′, f″ for the flow, and f for the mesh.
         let mut tested = vec![0.0; 4 * count];
         let last = space.meridians.len() - 1;
         let mut own = Own::of(&self.constants);
@@ -275,7 +275,7 @@ pub fn volume_density(x: &Shape<f64>) -> f64 {
     (x[0] * across[0] + x[1] * across[1] + x[2] * across[2]) / 3.0
 }
 
-/// Adds the balance at a point, tested by every harmonic.
+/// Adds the balance at a point, tested with every harmonic.
 fn test(space: &Space, meridian: &Meridian, balance: &Balance<f64>, weight: f64, tested: &mut [f64]) {
     let count = space.harmonics.len();
     let flat = balance.as_flattened();
@@ -290,15 +290,15 @@ fn test(space: &Space, meridian: &Meridian, balance: &Balance<f64>, weight: f64,
     }
 }
 
-/// The entry of a [`Balance`] at which the mesh's part begins.
+/// The index in a [`Balance`] at which the part of the mesh starts.
 pub(crate) const MESH_ROW: usize = 18;
 
-/// The entries of the field itself, without derivatives by φ.
+/// The entries of the field itself, without derivatives with respect to φ.
 pub(crate) fn mesh_entries(entries: &Entries) -> impl Iterator<Item = (usize, f64)> {
     entries.list().iter().copied().filter(|(k, _)| *k < 3)
 }
 
-/// Adds what was tested at a station to the residual.
+/// Adds the contribution of a station to the residual.
 fn scatter(space: &Space, station: &Station, tested: &[f64], balances: &mut [f64]) {
     let count = space.harmonics.len();
     for (r, basis) in station.basis.iter().enumerate() {
@@ -313,22 +313,22 @@ fn scatter(space: &Space, station: &Station, tested: &[f64], balances: &mut [f64
     }
 }
 
-/// The arclength of the mean meridian, linear between the stations.
+/// The arclength of the mean meridian, interpolated linearly between the stations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeanMeridian {
-    /// Coordinate u of the mesh and share of the length from the pole u = 0, by station.
+    /// Coordinate u of the mesh and fraction of the length from the pole u = 0, by station.
     shares: Vec<(f64, f64)>,
     /// Its length, in L_h.
     pub length: f64,
 }
 
 impl MeanMeridian {
-    /// The share of the length from the pole u = 0 to a coordinate u of the mesh.
+    /// The fraction of the length from the pole u = 0 to a coordinate u of the mesh.
     pub fn share_at(&self, u: f64) -> f64 {
         self.interpolated(u, |at| at)
     }
 
-    /// The coordinate u of the mesh at a share of the length.
+    /// The coordinate u of the mesh at a fraction of the length.
     pub fn u_at(&self, share: f64) -> f64 {
         self.interpolated(share, |(u, share)| (share, u))
     }

@@ -1,7 +1,7 @@
-//! Growth rates of small disturbances of a stationary surface, with every azimuthal number that the space holds.
+//! Growth rates of small disturbances of a stationary surface, for all azimuthal modes of the function space.
 //!
-//! With J the derivatives of the balances and B what multiplies ∂_tX, disturbances e^{σt} satisfy J x + σ B x = 0. The rates
-//! nearest to a shift s belong to the largest eigenvalues 1/(s − σ) of (J + s B)⁻¹ B.
+//! With J the derivatives of the balances and B the coefficient matrix of ∂_tX, disturbances e^{σt} satisfy J x + σ B x = 0. The
+//! rates nearest to a shift s correspond to the largest eigenvalues 1/(s − σ) of (J + s B)⁻¹ B.
 
 use furrow_spectra::{Arnoldi, EigenError, Krylov, NoEigenvalues};
 
@@ -14,11 +14,11 @@ use crate::space::Harmonic;
 pub struct Rate {
     /// Real part: positive if the disturbance grows.
     pub re: f64,
-    /// Imaginary part; pairs appear with both signs.
+    /// Imaginary part; complex pairs appear with both signs.
     pub im: f64,
 }
 
-/// Why growth rates were not found.
+/// The reason why growth rates were not found.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RatesError {
     /// The shift is a growth rate.
@@ -35,17 +35,17 @@ pub enum RatesError {
 /// Disturbances among which growth rates are sought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Among {
-    /// All that the space holds.
+    /// All disturbances in the function space.
     All,
-    /// Those with one azimuthal number m, of an axisymmetric surface.
+    /// Disturbances of one azimuthal mode number m, for an axisymmetric surface.
     Azimuthal(usize),
-    /// Those that keep the mirror symmetry u → 1 − u of a surface.
+    /// Disturbances that preserve the mirror symmetry u → 1 − u of a surface.
     Even,
-    /// Those that break it.
+    /// Disturbances that break it.
     Odd,
 }
 
-/// Where rates are sought, in 1/τ: somewhat above the fastest that cells at rest have.
+/// The shift, in 1/τ, slightly above the largest growth rates of stationary cells.
 const SHIFT: f64 = 6.0;
 
 impl Problem {
@@ -88,7 +88,7 @@ impl Problem {
         Ok(rates)
     }
 
-    /// The projection of disturbances onto those that are sought.
+    /// The projection onto the requested disturbances.
     pub(crate) fn projection(&self, among: Among) -> impl Fn(&mut [f64]) + use<> {
         let parts = self.partners(among);
         move |x: &mut [f64]| {
@@ -99,7 +99,7 @@ impl Problem {
         }
     }
 
-    /// For each unknown another one, and the factors of both.
+    /// For each unknown its mirror partner, and the factors of both.
     fn partners(&self, among: Among) -> Vec<(usize, f64, f64)> {
         let space = &self.space;
         let last = space.splines() - 1;
@@ -108,7 +108,7 @@ impl Problem {
             for (harmonic, of) in space.harmonics.iter().enumerate() {
                 let Some(k) = space.unknown(spline, field, harmonic) else { continue };
                 let mirrored = space.unknown(last - spline, field, harmonic).unwrap_or(k);
-                // The mirror turns z around.
+                // The mirror image reverses z.
                 let sign = if matches!(of, Harmonic::Along(_)) { -0.5 } else { 0.5 };
                 parts[k] = match among {
                     Among::All => (k, 1.0, 0.0),

@@ -5,10 +5,10 @@ use crate::own::Own;
 use crate::problem::{Problem, State};
 use crate::space::Space;
 
-/// A place of a sampled surface.
+/// A point of a sampled surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Share s of the mean meridian from the pole u = 0, where the cue is read.
+    /// Fraction s of the mean meridian from the pole u = 0, at which the cue is evaluated.
     pub share: f64,
     /// The point (x, y, z), in L_h.
     pub x: Vector<f64>,
@@ -18,8 +18,8 @@ pub struct Sample {
     pub tension: f64,
 }
 
-/// Samples on `rows` rings from the pole u = 0 to u = 1, both included, and `columns` meridians around the axis, row by row. Rings are
-/// dense where the mesh is.
+/// Samples on `rows` rings from the pole u = 0 to u = 1, including both, and `columns` meridians around the axis, row by row. The
+/// density of rings follows the mesh.
 pub fn sample(problem: &Problem, state: &State, rows: usize, columns: usize) -> Vec<Sample> {
     let space = &problem.space;
     let place = |j: usize| space.meridian(std::f64::consts::TAU * j as f64 / columns as f64);
@@ -29,7 +29,7 @@ pub fn sample(problem: &Problem, state: &State, rows: usize, columns: usize) -> 
     let mut own = Own::of(&problem.constants);
     let mut out = Vec::with_capacity(rows * columns);
     for row in 0..rows {
-        // A pole takes its normal from a ring close to it.
+        // The normal at a pole is taken from a nearby ring.
         let u = (row as f64 / (rows - 1) as f64).clamp(1e-4, 1.0 - 1e-4);
         space.functions(&state.surface, &space.station(u), &mut functions);
         let share = mean.share_at(u);

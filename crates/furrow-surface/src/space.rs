@@ -1,9 +1,9 @@
-//! The space of surfaces and flows: splines from pole to pole times Fourier modes around the axis.
+//! The function space of surfaces and flows: splines from pole to pole times Fourier modes around the axis.
 //!
 //! Fields are mirror-symmetric under y → −y. With ζ = x + iy, ζ = Σ ζ_k(u) e^{ikφ} and z = Σ z_m(u) cos mφ have real
 //! coefficients. A disturbance e^{imφ} of an axisymmetric surface has ζ_{1+m}, ζ_{1−m} and z_m, and all three are kept for
-//! every m up to M: cutting x, y and z at one Fourier mode would bring eigenvalues that converge to wrong values. At the
-//! poles ζ_k starts like s^|k| and z_m like s^m, as smooth functions of the plane do.
+//! every m up to M: truncating x, y and z at the same Fourier mode would give eigenvalues that converge to wrong values. At the
+//! poles ζ_k behaves like s^|k| and z_m like s^m, as for smooth functions of the plane.
 
 use furrow_bvp::gauss::gauss_rule;
 
@@ -19,7 +19,7 @@ pub enum Harmonic {
 }
 
 impl Harmonic {
-    /// The number m of a disturbance e^{imφ} that it belongs to.
+    /// The mode number m of the disturbance e^{imφ} to which it belongs.
     pub fn azimuthal(self) -> usize {
         match self {
             Harmonic::Across(k) => (k - 1).unsigned_abs() as usize,
@@ -33,13 +33,13 @@ impl Harmonic {
         k
     }
 
-    /// The mean over the circle of the square of its derivative by φ.
+    /// The mean over the circle of the square of its derivative with respect to φ.
     pub fn turning(self) -> f64 {
         let square = f64::from(self.wave()).powi(2);
         if let Harmonic::Along(_) = self { 0.5 * square } else { square }
     }
 
-    /// All up to M, by azimuthal number.
+    /// All harmonics up to M, ordered by azimuthal mode number.
     fn up_to(modes: usize) -> Vec<Harmonic> {
         let of = |m: i32| match m {
             0 => vec![Harmonic::Across(1), Harmonic::Along(0)],
@@ -52,20 +52,20 @@ impl Harmonic {
 /// Number of Gauss points in an element.
 pub(crate) const POINTS: usize = 5;
 
-/// A place of the quadrature along u.
+/// A quadrature point along u.
 #[derive(Clone, Debug)]
 pub struct Station {
     /// Coordinate u of the mesh.
     pub u: f64,
-    /// Weight of the quadrature.
+    /// Quadrature weight.
     pub weight: f64,
     /// Its element, which is also its first spline.
     pub element: usize,
-    /// The splines there.
+    /// The splines at this point.
     pub basis: LocalValues,
 }
 
-/// Cosine and sine of every harmonic at a meridian, with the sign and factor of derivatives by φ left out.
+/// Cosine and sine of every harmonic at a meridian, without the sign and factor of derivatives with respect to φ.
 #[derive(Clone, Debug)]
 pub struct Meridian {
     /// Angle φ.
@@ -85,15 +85,15 @@ impl Meridian {
     }
 }
 
-/// The place of a coefficient among the unknowns.
+/// The index of a coefficient among the unknowns.
 const FIXED: u32 = u32::MAX;
 
-/// The space, with its quadrature and the numbering of its unknowns.
+/// The function space, with its quadrature and the numbering of its unknowns.
 #[derive(Clone, Debug)]
 pub struct Space {
-    /// Elements from pole to pole.
+    /// Number of elements from pole to pole.
     pub elements: usize,
-    /// Largest azimuthal number M.
+    /// Largest azimuthal mode number M.
     pub modes: usize,
     /// Its Fourier modes.
     pub harmonics: Vec<Harmonic>,
@@ -103,12 +103,12 @@ pub struct Space {
     pub meridians: Vec<Meridian>,
     /// Unknown of each coefficient: spline × (surface, flow) × harmonic.
     unknown: Vec<u32>,
-    /// Ranges of the unknowns of neighbouring splines: only neighbours are coupled.
+    /// Ranges of the unknowns of each block of splines; only neighbouring blocks are coupled.
     pub blocks: Vec<std::ops::Range<usize>>,
 }
 
 impl Space {
-    /// The space of `elements` elements and azimuthal numbers up to `modes`.
+    /// The space of `elements` elements and azimuthal mode numbers up to `modes`.
     pub fn new(elements: usize, modes: usize) -> Space {
         let harmonics = Harmonic::up_to(modes);
         let (points, weights) = gauss_rule(POINTS);
@@ -134,7 +134,7 @@ impl Space {
         [Harmonic::Across(0), Harmonic::Along(0)].map(|of| self.harmonics.iter().position(|harmonic| *harmonic == of))
     }
 
-    /// The largest coefficient of the harmonics with the largest azimuthal number; 0 with axial symmetry.
+    /// The largest coefficient of the harmonics of the largest azimuthal mode number; 0 with axial symmetry.
     pub fn tail(&self, surface: &[f64]) -> f64 {
         let of = |k: &usize| self.modes > 0 && self.harmonics[k % self.harmonics.len()].azimuthal() == self.modes;
         (0..surface.len()).filter(of).map(|k| surface[k].abs()).fold(0.0, f64::max)
@@ -198,7 +198,7 @@ impl Space {
                 }
             }
         }
-        // A function without a wave has no slope at a pole: its first two coefficients there are one unknown.
+        // An axisymmetric function has no slope at a pole, so its first two coefficients there are one unknown.
         let width = 2 * self.harmonics.len();
         for (outer, inner) in [(0, 1), (splines - 1, splines - 2)] {
             for k in 0..width {
@@ -228,7 +228,7 @@ impl Space {
         }
     }
 
-    /// Values and two derivatives by u of a function at a station; `coefficients` by spline × harmonic.
+    /// Values and two derivatives with respect to u of a function at a station; `coefficients` by spline × harmonic.
     pub fn function(&self, coefficients: &[f64], station: &Station, harmonic: usize) -> [f64; 3] {
         let mut out = [0.0; 3];
         for (r, basis) in station.basis.iter().enumerate() {
@@ -246,12 +246,12 @@ impl Space {
         out.extend((0..self.harmonics.len()).map(|harmonic| self.function(coefficients, station, harmonic)));
     }
 
-    /// A place on any meridian.
+    /// The values at a meridian of any angle.
     pub fn meridian(&self, phi: f64) -> Meridian {
         Meridian::new(&self.harmonics, phi)
     }
 
-    /// A place on any ring.
+    /// The values at a ring of any u.
     pub fn station(&self, u: f64) -> Station {
         let element = crate::splines::element_of(self.elements, u);
         Station { u, weight: 0.0, element, basis: local_values(self.elements, element, u) }
@@ -310,11 +310,11 @@ impl Entries {
     }
 }
 
-/// Entries of X, X_u, X_φ, X_uu, X_uφ, X_φφ that a function f(u) of this harmonic fills by f, by f′ and by f″.
+/// Entries of X, X_u, X_φ, X_uu, X_uφ, X_φφ to which a function f(u) of this harmonic contributes by f, by f′ and by f″.
 fn entries(harmonic: Harmonic, [cos, sin]: [f64; 2]) -> [Entries; 3] {
     let k = f64::from(harmonic.wave());
     let mut out = [Entries::default(); 3];
-    // (derivative by u, row, derivatives by φ)
+    // (derivative with respect to u, row, derivatives with respect to φ)
     for (d, row, turns) in [(0, 0, 0), (0, 2, 1), (0, 5, 2), (1, 1, 0), (1, 4, 1), (2, 3, 0)] {
         let [by_cos, by_sin] = match turns {
             0 => [cos, sin],

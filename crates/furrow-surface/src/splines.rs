@@ -1,5 +1,5 @@
 //! Splines of degree 4 on equal elements of [0, 1], three times continuously differentiable, clamped at both ends: the
-//! j-th from an end starts like the j-th power of the distance.
+//! j-th spline from an end behaves like the j-th power of the distance.
 
 /// Degree of the splines.
 pub const DEGREE: usize = 4;

@@ -1,4 +1,4 @@
-//! States at rest without axial symmetry, and their stability.
+//! Stationary states without axial symmetry, and their stability.
 
 use furrow_mechanics::division::{DivisionError, DivisionInput};
 
@@ -7,8 +7,8 @@ use crate::film::{COLUMNS, ROWS};
 use crate::neck::radius_at;
 use crate::sample::{Sample, sample};
 
-/// The state at rest that a cell reaches from the passive shape. Mirror-symmetric cells get mirror-symmetric noise, so that their state
-/// may be unstable to odd disturbances. Without [`rest`](SurfaceDivision::rest) the cell divides.
+/// The stationary state that a cell reaches from the passive shape. Mirror-symmetric cells get mirror-symmetric noise, so their state
+/// may be unstable to odd disturbances. If [`rest`](SurfaceDivision::rest) is missing, the cell divides.
 ///
 /// # Errors
 /// [`DivisionError`].
@@ -16,7 +16,7 @@ pub fn steady(input: &DivisionInput) -> Result<SurfaceDivision, DivisionError> {
     run(input, input.cell.is_mirror_symmetric(), &mut |_, _| ())
 }
 
-/// A cell that divides where a state at rest was asked for.
+/// The error if a cell divides although a stationary state was requested.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("R0 = {r0}: no state at rest without axial symmetry: the cell divides at t = {t:.3} τ")]
 pub struct NoRest {
@@ -25,17 +25,17 @@ pub struct NoRest {
 }
 
 impl SurfaceDivision {
-    /// The state at rest of a cell of this radius.
+    /// The stationary state of a cell of this radius.
     ///
     /// # Errors
-    /// It divides.
+    /// The cell divides.
     pub fn at_rest(&self, r0: f64) -> Result<&AtRest, NoRest> {
         self.rest.as_ref().ok_or(NoRest { r0, t: self.division.t_end })
     }
 }
 
 impl AtRest {
-    /// Its surface, on the places of a [`Still`](crate::film::Still).
+    /// Its surface, sampled like a [`Still`](crate::film::Still).
     pub fn samples(&self) -> Vec<Sample> {
         sample(&self.problem, &self.state, ROWS, COLUMNS)
     }
@@ -56,13 +56,13 @@ impl AtRest {
         (height(0.0) - height(1.0)) / self.problem.radius()
     }
 
-    /// Length over 2π of the ring in the middle of the mean meridian, in L_h.
+    /// Length of the ring in the middle of the mean meridian divided by 2π, in L_h.
     pub fn equator_radius(&self) -> f64 {
         let surface = &self.state.surface;
         radius_at(&self.problem.space, surface, self.problem.mean_meridian(surface).u_at(0.5))
     }
 
-    /// The leading growth rate over all modes that the surface holds, odd ones too, in 1/τ.
+    /// The leading growth rate over all modes of the surface, including odd ones, in 1/τ.
     pub fn growth_rate(&self) -> f64 {
         self.rates.first().map_or(f64::NEG_INFINITY, |rate| rate.re)
     }

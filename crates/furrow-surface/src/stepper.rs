@@ -1,4 +1,4 @@
-//! Implicit steps in time: backward differentiation of second order with variable steps.
+//! Implicit time steps: backward differentiation of second order with variable steps.
 
 use furrow_bvp::Work;
 
@@ -21,13 +21,13 @@ pub struct Level {
 pub struct Stepper {
     /// The problem.
     pub problem: Problem,
-    /// States so far, the newest first; at most three.
+    /// The latest states, the newest first; at most three.
     pub history: Vec<Level>,
     /// Work so far.
     pub work: Work,
     /// Settings of Newton's method.
     pub newton: Newton,
-    /// Whether walls of a furrow touch, or pass through each other.
+    /// Whether walls of a furrow touch instead of passing through each other.
     pub contact: bool,
     factored: Option<Factored>,
     /// The density of rings in the last step.
@@ -36,7 +36,7 @@ pub struct Stepper {
     known_rate: f64,
 }
 
-/// Derivatives are kept while the rate of the step changes by less than this factor.
+/// Derivatives are reused while the rate of the step changes by less than this factor.
 const SAME_RATE: f64 = 1.7;
 
 impl Stepper {
@@ -56,14 +56,14 @@ impl Stepper {
         }
     }
 
-    /// Starts anew from the newest state, after a sudden change of the forces: steps that knew the velocity before it would go on with
-    /// it, and make an impulse half as large again.
+    /// Restarts from the newest state after a sudden change of the forces. Steps that use the previous velocity would extrapolate it
+    /// and increase the impulse by half.
     pub fn restart(&mut self) {
         self.history.truncate(1);
         self.factored = None;
     }
 
-    /// Goes on with azimuthal numbers up to `modes`.
+    /// Continues with azimuthal mode numbers up to `modes`.
     pub fn take_modes(&mut self, modes: usize) {
         self.problem.take_modes(modes, self.history.iter_mut().map(|level| &mut level.state));
         self.factored = None;
@@ -88,7 +88,7 @@ impl Stepper {
         (0..times.len()).map(weight).collect()
     }
 
-    /// A step of length `dt`: the state, and its local error where three states are known.
+    /// A step of length `dt`: the state, and its local error if three states are known.
     ///
     /// # Errors
     /// [`NewtonError`].
@@ -139,7 +139,7 @@ impl Stepper {
         Ok((Level { t, state }, error))
     }
 
-    /// Accepts a step, and moves the density of rings by a share of the way to the wanted one.
+    /// Accepts a step, and moves the density of rings by a fraction of the way to the target density.
     pub fn accept(&mut self, level: Level, share: f64) {
         self.work.steps += 1;
         let wanted = self.problem.wanted_density(&level.state.surface);
@@ -151,7 +151,7 @@ impl Stepper {
         self.history.truncate(3);
     }
 
-    /// Takes back half of the last move of the density: a shorter step does not shorten how far the rings move.
+    /// Undoes half of the last change of the density, because a shorter step does not reduce the displacement of the rings.
     pub fn slow_down(&mut self) {
         for (density, before) in self.problem.mesh.density.iter_mut().zip(&self.density_before) {
             *density = 0.5 * (*density + before);
@@ -160,7 +160,7 @@ impl Stepper {
 }
 
 impl Problem {
-    /// Goes on with azimuthal numbers up to `modes`, as do the given states.
+    /// Continues with azimuthal mode numbers up to `modes`, also for the given states.
     pub fn take_modes<'a>(&mut self, modes: usize, states: impl IntoIterator<Item = &'a mut State>) {
         let space = Space::new(self.space.elements, modes);
         for state in states {
@@ -172,7 +172,7 @@ impl Problem {
         self.noise.clear();
     }
 
-    /// Root mean square over the surface of the normal part of the distance between two surfaces.
+    /// Root mean square over the surface of the normal component of the distance between two surfaces.
     pub fn normal_distance(&self, a: &[f64], b: &[f64]) -> f64 {
         let space = &self.space;
         let [mut here, mut there] = [const { Vec::new() }; 2];

@@ -57,7 +57,7 @@ pub struct VolumesArgs {
     /// Tables of a second condition, for a regression
     #[arg(help_heading = "Tables", long, value_name = "FILE", requires = "files")]
     against: Vec<PathBuf>,
-    /// Edge length of a voxel in µm, which converts voxels to µm³, and diameters in pixels to µm; EMBRYO=UM sets that of one embryo
+    /// Edge length of a voxel in µm, which converts voxels to µm³, and diameters in pixels to µm; EMBRYO=UM sets it for one embryo
     #[arg(help_heading = "Tables", long, value_name = "UM|EMBRYO=UM", value_parser = of_embryo, requires = "files")]
     voxel: Vec<OfEmbryo>,
     #[command(flatten)]

@@ -18,7 +18,7 @@ use std::fmt::Write;
 
 /// Finds for each founder separately the activity that gives its observed rounds
 ///
-/// All other parameters of a founder are those of the lineage file. The column "model" has the rounds that furrow tree counts.
+/// All other parameters of a founder come from the lineage file. The column "model" has the rounds that furrow tree counts.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

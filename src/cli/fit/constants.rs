@@ -86,7 +86,7 @@ fn constants_text(found: &FittedConstants, targets: &Targets) -> String {
     out + "\n"
 }
 
-/// The initial constants and those of the best fit, with the sharpness of its minimum.
+/// The initial and the best constants, with the sharpness of the minimum.
 fn values_text(found: &FittedConstants) -> String {
     let FittedConstants { best, start, sharpness, plateau, .. } = found;
     let mut out = "constant      start       best   misfit +0.05, alone    tried, misfit +0.05  \n".to_owned();

@@ -106,7 +106,7 @@ fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
     out + "\n"
 }
 
-/// Fitted divisions whose χ jumps within the errors or within one percent.
+/// Fitted divisions with a jump of χ within the errors or within one percent.
 fn jumps_text(jumps: &[Jump]) -> String {
     if jumps.is_empty() {
         return String::new();

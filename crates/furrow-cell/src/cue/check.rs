@@ -1,22 +1,22 @@
-//! Whether the numbers of a cue are allowed, one by one and together.
+//! Checks of the numbers of a cue, individually and in combination.
 
 use super::{Coupling, Cue, CueError, Field, ParConstant, Profile, Quantity, RegulatorQuantity, Side};
 
-/// Lengths of contours, in L_h, from the smallest cells to the largest: a width in L_h is a different width in u on each.
+/// Contour lengths in L_h, from the smallest to the largest cells; they convert a width in L_h to a width in u.
 pub(super) const CONTOURS: [f64; 6] = [2.5, 4.0, 7.0, 12.0, 20.0, 40.0];
 
 /// Largest amplitude, strength, turnover and diffusion.
 const LARGEST: f64 = 1e4;
 
-/// Least diffusion of a regulator: its profiles get too narrow for the mesh below it.
+/// Smallest diffusion of a regulator; below it the profiles are too narrow for the mesh.
 pub const LEAST_DIFFUSION: f64 = 0.05;
 
-/// A whole turn, with room for the rounding of degrees.
+/// A full turn, with a margin for the rounding of degrees.
 const TURN: f64 = 2.0 * std::f64::consts::PI + 1e-9;
 
-/// Least spread of a side, in radians: the meridians of a surface are too far apart for less.
+/// Smallest spread of a side, in radians; smaller ones are not resolved by the meridians of a surface.
 const NARROWEST_SIDE: f64 = 0.3;
-/// Largest spread, which is all around.
+/// Largest spread, which covers the whole circumference.
 const WIDEST_SIDE: f64 = 10.0;
 
 /// The first invalid number of a profile and its amplitude, with the allowed values.
@@ -37,7 +37,7 @@ fn refused(profile: &Profile, amplitude: f64) -> Option<(Quantity, f64, &'static
     .find_map(|(quantity, value, allowed)| Some((quantity, value?, allowed?)))
 }
 
-/// What an amplitude must be for 1 + A f to stay above 0.
+/// The condition on an amplitude for 1 + A f to be positive.
 fn above_zero(profile: &Profile) -> &'static str {
     match profile.range() {
         [-1.0, _] => "above -1 and below 1",
@@ -55,14 +55,14 @@ fn refused_side(side: &Side) -> Option<(&'static str, f64, &'static str)> {
     (!fine).then_some(("spread", spread, "from 0.3 to 10, in radians, or in degrees, as 60deg"))
 }
 
-/// Smallest and largest value of A f.
+/// The smallest and the largest value of A f.
 fn values(profile: &Profile, amplitude: f64) -> [f64; 2] {
     let [a, b] = profile.range().map(|f| amplitude * f);
     [a.min(b), a.max(b)]
 }
 
 impl RegulatorQuantity {
-    /// The allowed values if this one is invalid. The numbers of a source must only be finite.
+    /// The allowed values if this value is invalid. The numbers of a source need only be finite.
     pub fn refused(self, value: f64) -> Option<&'static str> {
         let (fine, allowed) = match self {
             RegulatorQuantity::Source(Quantity::Par(constant)) => return constant.refused(value),
@@ -80,8 +80,8 @@ impl RegulatorQuantity {
 }
 
 impl Cue {
-    /// Checks every number, and that positive fields stay positive. A regulator is assumed to be between 0 and its source, as at
-    /// rest; flow may take it further.
+    /// Checks every number, and that positive fields remain positive. A regulator is assumed to be between 0 and its source, as at
+    /// rest; flow may take it beyond.
     ///
     /// # Errors
     /// [`CueError`] names the term's field and the number.
@@ -121,7 +121,7 @@ impl Cue {
         if regulator.couplings.is_empty() {
             return Err(CueError::new("regulator", "(no field)", "given with what it does, as in activity=0.3"));
         }
-        // They are in the order of their fields.
+        // The couplings are in the order of their fields.
         match regulator.couplings.windows(2).find(|pair| pair[0].field == pair[1].field) {
             Some([_, Coupling { field, strength, .. }]) => {
                 not_allowed(RegulatorQuantity::Strength(*field), *strength, "given once: it is given twice")
@@ -130,19 +130,19 @@ impl Cue {
         }
     }
 
-    /// What errors call a number of term `k`.
+    /// The name of a number of term `k` in errors.
     fn label(&self, k: usize, key: &str) -> String {
         let name = format!("{}.{key}", self.terms[k].field.name());
         if self.terms.len() > 1 { format!("cue[{k}].{name}") } else { name }
     }
 
-    /// Whether 1 + Σ A f + Σ B h stays above 0 for a coefficient that must.
+    /// Whether 1 + Σ A f + Σ B h is positive for a coefficient that must be.
     fn check_positive(&self, coefficient: Field) -> Result<(), CueError> {
         let touching: Vec<usize> =
             (0..self.terms.len()).filter(|&k| self.terms[k].field.modulates(coefficient)).collect();
         let carried = self.carried(coefficient);
-        // Profiles keep within their range, whatever their width: a bound that needs no contour. Where it is not enough,
-        // terms that lie apart are looked at along contours of all lengths that cells have.
+        // The range of a profile does not depend on its width, which gives a bound without a contour. If it does not suffice,
+        // the sum is evaluated along contours of all lengths that cells have, since terms may not overlap.
         let bound = |k: &usize| values(&self.terms[*k].profile, self.terms[*k].amplitude)[0];
         let least = carried.map_or(0.0, |(least, _)| least);
         if 1.0 + touching.iter().map(bound).sum::<f64>() + least > 0.0 {
@@ -172,8 +172,8 @@ impl Cue {
         }
     }
 
-    /// The least that the regulator adds to a coefficient at rest, and its last coupling that does. At rest φ lies between 0
-    /// and the extremes of the source, by the maximum principle.
+    /// The smallest value that the regulator adds to a coefficient at rest, and the last coupling that contributes. At rest φ lies
+    /// between 0 and the extremes of the source, by the maximum principle.
     fn carried(&self, coefficient: Field) -> Option<(f64, Coupling)> {
         const PLACES: u32 = 256;
         let regulator = self.regulator.as_ref()?;
@@ -188,7 +188,7 @@ impl Cue {
         Some(((0..=PLACES).map(added).fold(f64::INFINITY, f64::min), last))
     }
 
-    /// Smallest Σ A f(u) on a contour of length `length`, looked for on a grid, at the places of the terms and between them.
+    /// Smallest Σ A f(u) on a contour of length `length`, sought on a grid, at the positions of the terms and between them.
     fn lowest(&self, coefficient: Field, length: f64) -> f64 {
         let mut centres: Vec<f64> = self.terms.iter().filter_map(|term| term.quantity(Quantity::U0)).collect();
         centres.sort_by(f64::total_cmp);

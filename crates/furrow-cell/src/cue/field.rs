@@ -1,27 +1,27 @@
-//! Which field of the cortex a term of a cue modulates.
+//! The fields of the cortex that a term of a cue can modulate.
 //!
-//! A new field is one variant here with its name, and its place in `LocalCoefficients`, where the
-//! equations take their coefficients from.
+//! A new field needs a variant with its name here, and a place in `LocalCoefficients`, which provides the coefficients of the
+//! equations.
 
 /// A coefficient of the equations that a cue can modulate.
 ///
-/// X(u) = X0·(1 + Σ A f(u)) for every field but tension, which is added to: γ(u) = γ0 + Σ A f(u).
+/// X(u) = X0·(1 + Σ A f(u)) for every field except tension, for which γ(u) = γ0 + Σ A f(u).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Field {
     /// Bending rigidity κ.
     Kappa,
-    /// Activity: ξ_s and ξ_b alike.
+    /// Activity: both ξ_s and ξ_b.
     Activity,
-    /// Anisotropic activity ξ_s alone.
+    /// Only the anisotropic activity ξ_s.
     XiS,
-    /// Isotropic activity ξ_b alone.
+    /// Only the isotropic activity ξ_b.
     XiB,
     /// Bulk viscosity η_b.
     EtaB,
     /// Shear viscosity η_s.
     EtaS,
-    /// Viscosity: η_b and η_s alike.
+    /// Viscosity: both η_b and η_s.
     Viscosity,
     /// Friction Γ.
     Friction,
@@ -36,7 +36,7 @@ impl Field {
         [Kappa, Activity, XiS, XiB, EtaB, EtaS, Viscosity, Friction, Tension]
     };
 
-    /// Coefficients that have to stay above zero everywhere.
+    /// Coefficients that must be positive everywhere.
     pub const POSITIVE: [Field; 4] = [Field::Kappa, Field::EtaB, Field::EtaS, Field::Friction];
 
     /// Its name on the command line and in files.
@@ -46,7 +46,7 @@ impl Field {
         NAMES[self as usize]
     }
 
-    /// Whether it modulates a coefficient of the equations, which is named by its own field.
+    /// Whether it modulates the coefficient of the equations that is denoted by the given field.
     pub fn modulates(self, coefficient: Field) -> bool {
         match self {
             Field::Activity => matches!(coefficient, Field::XiS | Field::XiB),

@@ -1,7 +1,7 @@
 //! Cues in RON and JSON: the text that `--cue` reads.
 //!
-//! Files were once written by field, as in `kappa(u0: 0.4, omega_length: 0.3, amplitude: 0.1)`. They are still read: such a cue is
-//! turned into text first.
+//! Older files list cues by field, as in `kappa(u0: 0.4, omega_length: 0.3, amplitude: 0.1)`. They can still be read: such a cue is
+//! converted to text first.
 
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -27,7 +27,7 @@ impl<'de> Deserialize<'de> for Cue {
     }
 }
 
-/// A cue as a file has it.
+/// A cue as written in a file.
 #[derive(Deserialize)]
 #[serde(
     untagged,
@@ -88,7 +88,7 @@ impl Value {
     }
 }
 
-/// A map in the order in which it is written; a key that is given twice is there twice.
+/// A map in the order of the file; duplicate keys are kept.
 struct Pairs<V>(Vec<(String, V)>);
 
 impl<'de, V: Deserialize<'de>> Deserialize<'de> for Pairs<V> {

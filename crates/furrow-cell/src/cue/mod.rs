@@ -1,18 +1,18 @@
-//! Polarity cues as data: a cue is a sum of terms, a term a field, a profile and an amplitude; and a regulator that the flow
-//! carries.
+//! Polarity cues as data. A cue is a sum of terms and may include a regulator that is advected by the flow. A term has a field, a
+//! profile and an amplitude.
 //!
 //! | file | contents |
 //! |---|---|
-//! | `field` | which coefficients of the equations a cue can modulate |
-//! | `profile` | how a term is spread along the contour |
+//! | `field` | the coefficients of the equations that a cue can modulate |
+//! | `profile` | profiles of terms along the contour |
 //! | `par` | the constants of PAR polarity, which a profile can follow |
-//! | `side` | how a term is spread around the axis |
+//! | `side` | profiles of terms around the axis |
 //! | `regulator` | a substance with advection, diffusion and turnover |
-//! | `check` | which numbers are allowed |
+//! | `check` | allowed numbers |
 //! | `text` | the grammar: `kappa:band,u0=0.4,omega=0.1,amplitude=0.2` |
 //! | `regulator_text` | the grammar of a regulator |
 //! | `file` | the same text in RON and JSON |
-//! | `written` | a cue as it is written, with numbers in µm and seconds |
+//! | `written` | a cue before conversion, with numbers in µm and seconds |
 
 mod check;
 pub mod field;
@@ -44,11 +44,11 @@ use crate::Number;
 pub struct Term<D = f64> {
     /// The field that it modulates.
     pub field: Field,
-    /// How it is spread along the contour.
+    /// The profile along the contour.
     pub profile: Profile<D>,
-    /// Amplitude A: relative to the field's own value, but for tension in κ0/L_h².
+    /// Amplitude A: relative to the value of the field, but for tension in κ0/L_h².
     pub amplitude: D,
-    /// The side of the axis where it is; `None` all around.
+    /// The side of the axis on which it acts; `None` for an axisymmetric term.
     pub side: Option<Side>,
 }
 
@@ -70,7 +70,7 @@ impl Term {
         self.quantity_mut(quantity).copied()
     }
 
-    /// Where such a number is kept.
+    /// Mutable access to such a number.
     pub(crate) fn quantity_mut(&mut self, quantity: Quantity) -> Option<&mut f64> {
         match quantity {
             Quantity::Amplitude => Some(&mut self.amplitude),
@@ -78,7 +78,7 @@ impl Term {
         }
     }
 
-    /// The same term with its numbers turned into others, each told which it is.
+    /// The same term with converted numbers; the conversion also gets the quantity of each number.
     pub fn map<E>(&self, mut number: impl FnMut(Quantity, f64) -> E) -> Term<E> {
         Term {
             field: self.field,
@@ -88,16 +88,16 @@ impl Term {
         }
     }
 
-    /// The term as seen from the other pole, u → 1 − u.
+    /// The mirror image of the term, u → 1 − u.
     pub fn mirrored(&self) -> Term {
         let (profile, sign) = self.profile.mirrored();
         Term { profile, amplitude: sign * self.amplitude, ..*self }
     }
 }
 
-/// A polarity cue: what makes one part of the cortex differ from another. Terms add up, X(u) = X0·(1 + Σ A f(u)) for every
-/// [`Field`] but tension, to which Σ A f(u) is added. The cue is switched on together with the activity. A [`Regulator`] that
-/// the flow carries may be one more part of the sum.
+/// A polarity cue, which makes properties of the cortex vary along the contour. Terms add up: X(u) = X0·(1 + Σ A f(u)) for every
+/// [`Field`] except tension, to which Σ A f(u) is added. The cue is switched on together with the activity. The sum may include a
+/// [`Regulator`] that is advected by the flow.
 ///
 /// ```
 /// use furrow_cell::Cue;
@@ -135,7 +135,7 @@ impl CueError {
 }
 
 impl Cue {
-    /// No cue: both poles alike.
+    /// No cue: the poles are equivalent.
     pub const fn none() -> Cue {
         Cue { terms: Vec::new(), regulator: None }
     }
@@ -145,7 +145,7 @@ impl Cue {
         Cue::kappa_band(0.465, 0.0577, 0.1)
     }
 
-    /// κ(u) = κ·(1 + amplitude·exp(−(u − u0)²/omega²)), the kind of cue the paper uses.
+    /// κ(u) = κ·(1 + amplitude·exp(−(u − u0)²/omega²)), the cue of the paper.
     pub fn kappa_band(u0: f64, omega: f64, amplitude: f64) -> Cue {
         let profile = Profile::Band { u0, omega: Width::Fraction(omega) };
         Cue { terms: vec![Term { field: Field::Kappa, profile, amplitude, side: None }], regulator: None }
@@ -154,15 +154,15 @@ impl Cue {
     /// A sum of terms.
     ///
     /// # Errors
-    /// [`CueError`] if a number is not allowed, or if together they bring a field that must be positive to zero.
+    /// [`CueError`] if a number is not allowed, or if a field that must be positive is not.
     pub fn new(terms: Vec<Term>) -> Result<Cue, CueError> {
         Cue::with_regulator(terms, None)
     }
 
-    /// A sum of terms, and a regulator that the flow carries.
+    /// A sum of terms, and a regulator that is advected by the flow.
     ///
     /// # Errors
-    /// As of [`Cue::new`], and for numbers of the regulator.
+    /// As [`Cue::new`], and for numbers of the regulator.
     pub fn with_regulator(terms: Vec<Term>, regulator: Option<Regulator>) -> Result<Cue, CueError> {
         let cue = Cue { terms, regulator: regulator.map(Regulator::sorted) };
         cue.check()?;
@@ -174,48 +174,49 @@ impl Cue {
         &self.terms
     }
 
-    /// Its terms, for changes, which are not checked.
+    /// Mutable access to its terms; changes are not checked.
     pub fn terms_mut(&mut self) -> &mut [Term] {
         &mut self.terms
     }
 
-    /// The regulator that the flow carries.
+    /// The regulator, if there is one.
     pub fn regulator(&self) -> Option<&Regulator> {
         self.regulator.as_ref()
     }
 
-    /// The regulator that the flow carries, for changes, which are not checked.
+    /// Mutable access to the regulator; changes are not checked.
     pub fn regulator_mut(&mut self) -> Option<&mut Regulator> {
         self.regulator.as_mut()
     }
 
     /// Whether all amplitudes of terms and all strengths of couplings are zero. A regulator with a strength acts even without a source,
-    /// since flow moves it. [`Cell::has_cue`](crate::Cell::has_cue) also counts a regulator that the cell's law reads.
+    /// since flow moves it. [`Cell::has_cue`](crate::Cell::has_cue) also counts a regulator that the cell's law uses.
     pub fn is_none(&self) -> bool {
         *self == Cue::none() || self.simplified() == Cue::none()
     }
 
-    /// Whether it is even about u = ½, so that shapes can be mirror-symmetric and pitchforks stay pitchforks. The
-    /// sum of all terms of a field decides, however they are written.
+    /// Whether it is even about u = ½, so that shapes can be mirror-symmetric and pitchforks persist. The criterion is the
+    /// sum of all terms of a field, regardless of the notation.
     pub fn is_mirror_symmetric(&self) -> bool {
         self.is_even_for(false)
     }
 
-    /// [`is_mirror_symmetric`](Self::is_mirror_symmetric) if a law names φ (`phi`) or not: see [`simplified_for`](Self::simplified_for).
+    /// [`is_mirror_symmetric`](Self::is_mirror_symmetric) for a law that does or does not use φ (`phi`): see
+    /// [`simplified_for`](Self::simplified_for).
     pub(crate) fn is_even_for(&self, phi: bool) -> bool {
         if self.follows_par() {
             return false;
         }
         let cue = self.simplified_for(phi);
         if let Some(Source { profile, amplitude }) = cue.regulator.as_ref().and_then(|regulator| regulator.source) {
-            // A source is even where a term is.
+            // A source is even under the same condition as a term.
             let term = Term { field: Field::Tension, profile, amplitude, side: None };
             if !(Cue { terms: vec![term], regulator: None }).is_mirror_symmetric() {
                 return false;
             }
         }
         let scale: f64 = cue.terms.iter().map(|term| term.amplitude.abs()).sum();
-        // Where an odd part would show: beside the places of the terms, and anywhere.
+        // Points at which an odd part would be visible: near the positions of the terms, and on a grid.
         let mut places: Vec<f64> = (0..32).map(|k| (f64::from(k) + 0.5) / 64.0).collect();
         for length in CONTOURS {
             for term in &cue.terms {
@@ -237,29 +238,29 @@ impl Cue {
         coefficients.all(|coefficient| CONTOURS.into_iter().all(|length| even(coefficient, length)))
     }
 
-    /// Its profiles, of terms and of the regulator's source.
+    /// The profiles of its terms and of the regulator's source.
     pub fn profiles(&self) -> impl Iterator<Item = Profile> {
         let source = self.regulator.iter().filter_map(|regulator| regulator.source.map(|source| source.profile));
         self.terms.iter().map(|term| term.profile).chain(source)
     }
 
-    /// The same, for changes, which are not checked.
+    /// Mutable access to the same profiles; changes are not checked.
     pub fn profiles_mut(&mut self) -> impl Iterator<Item = &mut Profile> {
         let source = self.regulator.iter_mut().filter_map(|regulator| regulator.source.as_mut());
         self.terms.iter_mut().map(|term| &mut term.profile).chain(source.map(|source| &mut source.profile))
     }
 
-    /// Whether a term, or the regulator's source, follows PAR polarity: its place is then another on every cell.
+    /// Whether a term, or the regulator's source, follows PAR polarity, so that its position depends on the cell.
     pub fn follows_par(&self) -> bool {
         self.profiles().any(|profile| matches!(profile, Profile::Par { .. }))
     }
 
-    /// Whether a term is at one side of the axis.
+    /// Whether a term acts on one side of the axis.
     pub fn is_one_sided(&self) -> bool {
         self.terms.iter().any(|term| term.side.is_some() && term.amplitude != 0.0)
     }
 
-    /// Angles at which terms differ most: at their sides and between them.
+    /// Angles at which terms differ most: at the sides and between them.
     fn angles(&self) -> Vec<f64> {
         let sides = self.terms.iter().filter_map(|term| term.side);
         [0.0]
@@ -268,13 +269,13 @@ impl Cue {
             .collect()
     }
 
-    /// Σ A f(u) over the terms that touch a coefficient, at the angle `phi`.
+    /// Σ A f(u) over the terms that modulate a coefficient, at the angle `phi`.
     fn sum_at(&self, coefficient: Field, u: f64, phi: f64, length: f64) -> f64 {
         let touching = self.terms.iter().filter(|term| term.field.modulates(coefficient));
         touching.map(|term| term.beside(u, phi, length)).sum()
     }
 
-    /// The cue as seen from the other pole, u → 1 − u.
+    /// The mirror image of the cue, u → 1 − u.
     pub fn mirrored(&self) -> Cue {
         Cue {
             terms: self.terms.iter().map(Term::mirrored).collect(),
@@ -299,12 +300,12 @@ impl Cue {
         Some(Cue { regulator: alone.regulator.map(|regulator| Regulator { source, ..regulator }), ..alone })
     }
 
-    /// The same cue with the fewest terms: equal terms are added, and terms without an effect are left out.
+    /// The same cue with the fewest terms: equal terms are added, and terms without an effect are omitted.
     pub fn simplified(&self) -> Cue {
         self.simplified_for(false)
     }
 
-    /// [`simplified`](Self::simplified) ; if a law names φ (`phi`), a regulator without fields stays.
+    /// [`simplified`](Self::simplified), but if a law uses φ (`phi`), a regulator without fields is kept.
     pub(crate) fn simplified_for(&self, phi: bool) -> Cue {
         let mut terms: Vec<Term> = Vec::new();
         for term in &self.terms {
@@ -321,7 +322,7 @@ impl Cue {
     }
 }
 
-/// Odd parts of a cue below this, relative to its amplitudes, are roundings of 1 − u.
+/// Odd parts of a cue below this, relative to its amplitudes, are rounding errors of 1 − u.
 const EVEN: f64 = 1e-11;
 
 #[cfg(test)]

@@ -9,17 +9,17 @@ use crate::settings::Value;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceToVolume {
-    /// From the cell's own passive shape: proportional to 1/R0.
+    /// From the cell's passive shape, proportional to 1/R0.
     #[default]
     Shape,
     /// The same value for cells of all sizes, in 1/µm.
     Fixed(f64),
 }
 
-/// ψ of the real zygote, in 1/µm, measured by Goehring et al.
+/// ψ of the worm's zygote, in 1/µm, measured by Goehring et al.
 pub const ZYGOTE_SURFACE_TO_VOLUME: f64 = 0.174;
 
-/// L_h in µm for which the published zygote, R0 = 5.4, has the size of the real zygote.
+/// L_h in µm for which the published zygote, R0 = 5.4, has the size of the worm's zygote.
 pub const LENGTH_UM: f64 = 3.2;
 
 /// Constants of two antagonists A and P, in µm and s.
@@ -37,9 +37,9 @@ pub struct ParConstants {
     pub k_off_a: f64,
     /// Detachment of P, 1/s.
     pub k_off_p: f64,
-    /// All A, on the membrane and in the cytosol, per volume, 1/µm³.
+    /// Total A, on the membrane and in the cytosol, per volume, 1/µm³.
     pub rho_a: f64,
-    /// All P per volume, 1/µm³.
+    /// Total P per volume, 1/µm³.
     pub rho_p: f64,
     /// Removal of A by P, µm²/s, or µm⁴/s if `n_p` is 2.
     pub k_ap: f64,
@@ -51,7 +51,7 @@ pub struct ParConstants {
     pub surface_to_volume: SurfaceToVolume,
 }
 
-/// A constant of the chemistry that is a number.
+/// A numeric constant of the chemistry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ParConstant {
@@ -67,15 +67,15 @@ pub enum ParConstant {
     KOffA,
     /// Detachment of P.
     KOffP,
-    /// All A per volume.
+    /// Total A per volume.
     RhoA,
-    /// All P per volume.
+    /// Total P per volume.
     RhoP,
     /// Removal of A by P.
     KAp,
     /// Removal of P by A.
     KPa,
-    /// Surface per volume, where it is the same for cells of all sizes.
+    /// Surface per volume, if it is the same for cells of all sizes.
     Psi,
 }
 
@@ -85,7 +85,7 @@ use ParConstant::{DA, DP, KAp, KOffA, KOffP, KOnA, KOnP, KPa, Psi, RhoA, RhoP};
 const POWER: &str = "n_p";
 
 impl ParConstant {
-    /// All of them.
+    /// All numeric constants.
     pub const ALL: [ParConstant; 11] = [DA, DP, KOnA, KOnP, KOffA, KOffP, RhoA, RhoP, KAp, KPa, Psi];
 
     /// Its name on the command line and in files.
@@ -105,7 +105,7 @@ impl ParConstant {
         }
     }
 
-    /// Its unit; of the removal of A by P the one for `n_p` = 1.
+    /// Its unit; for the removal of A by P the unit at `n_p` = 1.
     pub fn unit(self) -> &'static str {
         match self {
             DA | DP | KAp => "µm²/s",
@@ -117,12 +117,12 @@ impl ParConstant {
         }
     }
 
-    /// The constant of a name.
+    /// The constant with a given name.
     pub fn named(name: &str) -> Option<ParConstant> {
         ParConstant::ALL.into_iter().find(|constant| constant.name() == name)
     }
 
-    /// The allowed values if this one is invalid.
+    /// The allowed values if this value is invalid.
     pub fn refused(self, value: f64) -> Option<&'static str> {
         let may_vanish = !matches!(self, DA | DP | KOffA | KOffP | Psi);
         let fine = value.is_finite() && (value > 0.0 || may_vanish && value == 0.0);
@@ -142,7 +142,7 @@ impl Default for ParConstants {
 }
 
 impl ParConstants {
-    /// Goehring et al. 2011, with ψ from the shape.
+    /// The constants of Goehring et al. 2011, with ψ from the shape.
     pub const GOEHRING2011: ParConstants = ParConstants {
         d_a: 0.28,
         d_p: 0.15,
@@ -158,12 +158,12 @@ impl ParConstants {
         surface_to_volume: SurfaceToVolume::Shape,
     };
 
-    /// A constant; `None` of ψ where it follows from the shape.
+    /// The value of a constant; `None` for ψ if it follows from the shape.
     pub fn get(mut self, constant: ParConstant) -> Option<f64> {
         self.slot(constant).copied()
     }
 
-    /// Where a constant is kept.
+    /// Mutable access to a constant.
     pub(crate) fn slot(&mut self, constant: ParConstant) -> Option<&mut f64> {
         Some(match constant {
             DA => &mut self.d_a,

@@ -1,7 +1,7 @@
-//! How a term of a cue is spread along the contour.
+//! Profiles of terms of a cue along the contour.
 //!
-//! A new profile is a variant here: its formula with two derivatives, its quantities, its mirror image and where it is
-//! steep. CONTRIBUTING.md lists the other files that name profiles.
+//! A new profile needs a variant here, with its formula and two derivatives, its quantities, its mirror image and its largest
+//! slope. CONTRIBUTING.md lists the other files that name profiles.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,21 +11,21 @@ use crate::Number;
 /// Width of a profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Width<D = f64> {
-    /// In the arclength fraction u: it shrinks with the cell.
+    /// In the arclength fraction u; it scales with the cell.
     Fraction(D),
-    /// In L_h: it keeps its size, and is ω/L of the present contour in u.
+    /// In L_h; its size is fixed, and in u it is ω/L of the current contour.
     Length(D),
 }
 
 impl<D> Width<D> {
-    /// The number itself, in the unit it was given in.
+    /// The number in its own unit.
     pub fn value(self) -> D {
         match self {
             Width::Fraction(omega) | Width::Length(omega) => omega,
         }
     }
 
-    /// The width by another number, in the same unit.
+    /// The width with another number, in the same unit.
     pub fn map<E>(self, number: impl FnOnce(D) -> E) -> Width<E> {
         match self {
             Width::Fraction(omega) => Width::Fraction(number(omega)),
@@ -54,7 +54,7 @@ pub enum Profile<D = f64> {
         /// Width ω > 0.
         omega: Width<D>,
     },
-    /// f = ½(1 + tanh((u − u0)/ω)): 0 before u0 and 1 behind it, the other way round for ω < 0.
+    /// f = ½(1 + tanh((u − u0)/ω)): 0 below u0 and 1 above it; reversed for ω < 0.
     Step {
         /// Place.
         u0: D,
@@ -63,16 +63,16 @@ pub enum Profile<D = f64> {
     },
     /// f = 1 − 2u, from 1 at u = 0 to −1 at u = 1.
     Gradient,
-    /// The posterior antagonist of PAR polarity on the cell at rest, with place and width computed for its size and shell; 0 without
-    /// polarity. `furrow_mechanics::polarity` replaces it by a step or a band; until then it is 0.
+    /// The posterior antagonist of PAR polarity on the passive cell, with position and width computed for its size and shell; 0
+    /// without polarity. `furrow_mechanics::polarity` replaces it by a step or a band; until then it is 0.
     Par {
-        /// A band at the edge of the posterior antagonist, in place of a step that follows it.
+        /// Whether it is a band at the edge of the posterior antagonist instead of a step that follows it.
         band: bool,
-        /// The posterior pole is at u = 1, not at u = 0.
+        /// Whether the posterior pole is at u = 1 instead of u = 0.
         far: bool,
         /// The constants of the chemistry.
         constants: ParConstants,
-        /// L_h in µm, where it is not [`LENGTH_UM`](super::LENGTH_UM).
+        /// L_h in µm, if it differs from [`LENGTH_UM`](super::LENGTH_UM).
         length_um: Option<f64>,
     },
 }
@@ -81,9 +81,9 @@ pub enum Profile<D = f64> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
-    /// Place u0 of the profile.
+    /// Position u0 of the profile.
     U0,
-    /// Its width ω, in u or in L_h as the term has it.
+    /// Its width ω, in u or in L_h, as in the term.
     Omega,
     /// Amplitude A.
     Amplitude,
@@ -92,7 +92,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Place, width and amplitude, without the constants of PAR polarity.
+    /// Position, width and amplitude, without the constants of PAR polarity.
     pub const ALL: [Quantity; 3] = [Quantity::U0, Quantity::Omega, Quantity::Amplitude];
 
     /// Its name on the command line and in files.
@@ -105,14 +105,14 @@ impl Quantity {
         }
     }
 
-    /// The quantity of a name.
+    /// The quantity with a given name.
     pub fn named(name: &str) -> Option<Quantity> {
         let par = || ParConstant::named(name).map(Quantity::Par);
         Quantity::ALL.into_iter().find(|quantity| quantity.name() == name).or_else(par)
     }
 }
 
-/// Least width of a profile, in u or in L_h: narrower ones would be lost to the rounding of u.
+/// Smallest width of a profile, in u or in L_h; narrower ones would be lost in the rounding of u.
 pub const NARROWEST: f64 = 1e-6;
 
 /// Names of the profiles; the first is the default.
@@ -130,7 +130,7 @@ impl<D> Profile<D> {
         }
     }
 
-    /// The same profile with its numbers turned into others, each told which it is.
+    /// The same profile with converted numbers; the conversion also gets the quantity of each number.
     pub fn map<E>(self, mut number: impl FnMut(Quantity, D) -> E) -> Profile<E> {
         let mut both = |u0, omega: Width<D>| {
             let u0 = number(Quantity::U0, u0);
@@ -151,7 +151,7 @@ impl<D> Profile<D> {
     }
 }
 
-/// tanh, which is ±1 to the last digit from here on, where quotients of hyperbolic sines would overflow.
+/// Argument beyond which tanh is ±1 to the last digit, and quotients of hyperbolic sines would overflow.
 const SATURATED: f64 = 20.0;
 
 fn tanh<D: Number>(x: D) -> D {
@@ -191,7 +191,7 @@ impl Profile {
         }
     }
 
-    /// What its width would have to be, if it is not allowed as it is.
+    /// The allowed widths, if its width is not allowed.
     pub(crate) fn refused_width(&self) -> Option<&'static str> {
         let omega = self.width()?.value();
         let (size, allowed) = match self {
@@ -201,12 +201,12 @@ impl Profile {
         (!(size.is_finite() && size >= NARROWEST)).then_some(allowed)
     }
 
-    /// A number of the profile; `None` if it does not have it.
+    /// A number of the profile; `None` if it lacks this number.
     pub fn quantity(mut self, quantity: Quantity) -> Option<f64> {
         self.quantity_mut(quantity).copied()
     }
 
-    /// Where such a number is kept.
+    /// Mutable access to such a number.
     pub(crate) fn quantity_mut(&mut self, quantity: Quantity) -> Option<&mut f64> {
         match (self, quantity) {
             (Profile::Band { u0, .. } | Profile::Step { u0, .. }, Quantity::U0) => Some(u0),
@@ -218,7 +218,7 @@ impl Profile {
         }
     }
 
-    /// The profile f(1 − u), and the sign its amplitude takes with it.
+    /// The profile f(1 − u), and the sign of its amplitude.
     pub fn mirrored(&self) -> (Profile, f64) {
         match *self {
             Profile::Band { u0, omega } => (Profile::Band { u0: 1.0 - u0, omega }, 1.0),
@@ -230,8 +230,8 @@ impl Profile {
         }
     }
 
-    /// Largest |∂f/∂u| anywhere in [from, to] on a contour of length `length`, which a mesh must not step over; 0 for a
-    /// profile that is straight and so asks nothing of a mesh.
+    /// Largest |∂f/∂u| in [from, to] on a contour of length `length`, which the mesh must resolve; 0 for a
+    /// linear profile, which any mesh resolves.
     pub fn steepest(&self, from: f64, to: f64, length: f64) -> f64 {
         let steep = match *self {
             Profile::Band { u0, omega } => {
@@ -246,7 +246,7 @@ impl Profile {
         steep.into_iter().filter(|u| (from..=to).contains(u)).chain([from, to]).map(slope).fold(0.0, f64::max)
     }
 
-    /// Smallest and largest value f takes.
+    /// The smallest and the largest value of f.
     pub fn range(&self) -> [f64; 2] {
         match self {
             Profile::Band { .. } | Profile::Step { .. } | Profile::Par { .. } => [0.0, 1.0],

@@ -1,20 +1,20 @@
-//! A regulator of the cortex that the flow carries, spreads and turns over, as part of a cue.
+//! A regulator of the cortex, as part of a cue: a substance with advection, diffusion and turnover.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Field, ParConstant, Profile, Quantity};
 use crate::Number;
 
-/// Where a regulator is made: A f(u), relative to its resting concentration.
+/// The source of a regulator, A f(u), relative to its resting concentration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source<D = f64> {
-    /// f, how it is spread along the contour.
+    /// The profile f along the contour.
     pub profile: Profile<D>,
     /// Amplitude A.
     pub amplitude: D,
 }
 
-/// The effect of a regulator on one field: X = X0·(1 + B h), but for tension B h is added.
+/// The effect of a regulator on one field: X = X0·(1 + B h), but B h is added to tension.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling<D = f64> {
     /// The field.
@@ -37,17 +37,17 @@ impl<D: Number> Coupling<D> {
     }
 }
 
-/// A regulator of areal concentration c on the cortex, relative to its resting value, φ = c − 1. Flow carries it, it spreads by
-/// diffusion, turns over, and modulates fields of the cortex.
+/// A regulator with areal concentration c on the cortex, relative to its resting value, φ = c − 1. It is advected by the flow,
+/// diffuses, turns over, and modulates fields of the cortex.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Regulator<D = f64> {
-    /// Where it is made; without a source its resting state is uniform.
+    /// Its source; without a source its resting state is uniform.
     pub source: Option<Source<D>>,
     /// Turnover k, in 1/τ.
     pub turnover: D,
     /// Diffusion D, in L_h²/τ.
     pub diffusion: D,
-    /// Whether it is a concentration, which converging flow raises, and not a label of the material.
+    /// Whether it is a concentration, which converging flow increases, rather than a label of the material.
     pub diluted: bool,
     /// Its effects, at most one per field.
     pub couplings: Vec<Coupling<D>>,
@@ -70,7 +70,7 @@ pub enum RegulatorQuantity {
 }
 
 impl RegulatorQuantity {
-    /// All of them, in the order in which they are printed.
+    /// All numbers, in the order of the printed text.
     pub fn all() -> impl Iterator<Item = RegulatorQuantity> {
         let source = Quantity::ALL.into_iter().map(RegulatorQuantity::Source);
         let own = [RegulatorQuantity::Turnover, RegulatorQuantity::Diffusion];
@@ -78,7 +78,7 @@ impl RegulatorQuantity {
         source.chain(own).chain(Field::ALL.into_iter().flat_map(of))
     }
 
-    /// Its name on the command line: `turnover`, of a coupling its field, `kappa`, and of a half-saturation `kappa.half`.
+    /// Its name on the command line: `turnover`, for a coupling the field, `kappa`, and for a half-saturation `kappa.half`.
     pub fn name(self) -> &'static str {
         const HALVES: [&str; 9] = [
             "kappa.half",
@@ -100,7 +100,7 @@ impl RegulatorQuantity {
         }
     }
 
-    /// The number of a name.
+    /// The number with a given name.
     pub fn named(name: &str) -> Option<RegulatorQuantity> {
         let of_par = || Some(RegulatorQuantity::Source(Quantity::Par(ParConstant::named(name)?)));
         RegulatorQuantity::all().find(|quantity| quantity.name() == name).or_else(of_par)
@@ -126,11 +126,11 @@ impl Regulator {
     }
 
     /// The same regulator without couplings of strength 0 and without a source of amplitude 0. `None` if it acts on no field and no law
-    /// names it, or is a label without a source, which stays at φ = 0.
+    /// uses it, or if it is a label without a source, for which φ = 0.
     pub(super) fn simplified(&self, named: bool) -> Option<Regulator> {
         let acts = |coupling: &&Coupling| coupling.strength != 0.0;
         let couplings: Vec<Coupling> = self.couplings.iter().filter(acts).copied().collect();
-        // The source makes k A f per time.
+        // The rate of the source is k A f.
         let source = self.source.filter(|source| source.amplitude != 0.0 && self.turnover != 0.0);
         ((named || !couplings.is_empty()) && (self.diluted || self.turnover != 0.0)).then(|| Regulator {
             source,
@@ -139,7 +139,7 @@ impl Regulator {
         })
     }
 
-    /// The same regulator with its numbers turned into others, each told which it is.
+    /// The same regulator with converted numbers; the conversion also gets the kind of each number.
     pub fn map<E>(&self, mut number: impl FnMut(RegulatorQuantity, f64) -> E) -> Regulator<E> {
         use RegulatorQuantity::{Diffusion, Half, Strength, Turnover};
         Regulator {
@@ -160,12 +160,12 @@ impl Regulator {
         }
     }
 
-    /// A number of the regulator; `None` if it does not have it.
+    /// A number of the regulator; `None` if it lacks this number.
     pub fn quantity(&self, quantity: RegulatorQuantity) -> Option<f64> {
         self.clone().quantity_mut(quantity).copied()
     }
 
-    /// Where such a number is kept.
+    /// Mutable access to such a number.
     pub(crate) fn quantity_mut(&mut self, quantity: RegulatorQuantity) -> Option<&mut f64> {
         let mut couplings = self.couplings.iter_mut();
         match quantity {
@@ -182,7 +182,7 @@ impl Regulator {
         }
     }
 
-    /// The regulator as seen from the other pole, u → 1 − u.
+    /// The mirror image of the regulator, u → 1 − u.
     pub fn mirrored(&self) -> Regulator {
         let source = self.source.map(|Source { profile, amplitude }| {
             let (profile, sign) = profile.mirrored();

@@ -39,12 +39,12 @@ struct Given {
     /// The other numbers, in the order of the text.
     numbers: Vec<(RegulatorQuantity, f64)>,
     diluted: Option<bool>,
-    /// Which of the numbers are in µm and seconds.
+    /// The numbers that are in µm and seconds.
     physical: Vec<RegulatorQuantity>,
 }
 
 impl Given {
-    /// The regulator, if every number it needs is given, and no other. No profile is a band where it has numbers of one.
+    /// The regulator, if exactly the required numbers are given. Without a profile it is a band if it has the numbers of one.
     fn regulator(self, profile: Option<&str>) -> Result<WrittenCue, CueError> {
         let Given { source, numbers, diluted, mut physical } = self;
         let refuse = |quantity: RegulatorQuantity, value: String, allowed: &str| {
@@ -130,7 +130,7 @@ fn unknown_key(profile: &str, key: &str) -> CueError {
     CueError::new(format!("{REGULATOR}:{profile}"), shown(key), allowed)
 }
 
-/// Reads the text behind the colon.
+/// Parses the text after the colon.
 pub(super) fn parse(list: &str) -> Result<WrittenCue, CueError> {
     let known: Vec<&str> = [NO_SOURCE].into_iter().chain(NAMES).collect();
     let (profile, entries) = entries(REGULATOR, list, &known);

@@ -1,9 +1,9 @@
-//! How a term of a cue is spread around the axis.
+//! Profiles of terms of a cue around the axis.
 
 /// A part of the cortex around the angle `at`, S.8: a term's f(u) is multiplied by exp(2(sin πu cos(φ − at) − 1)/spread²). Near the
 /// equator this is exp(−(φ − at)²/spread²) for small angles; it is smooth at the poles.
 ///
-/// In a flattened shell φ is counted from the plane midway between the plates, so that 90° faces a plate.
+/// In a flattened shell φ is measured from the plane midway between the plates, so that 90° faces a plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Side {
     /// Angle about the axis, in radians.

@@ -1,7 +1,8 @@
-//! Cues as text, on the command line and in files: `none`, or terms `FIELD:PROFILE,key=value,…` joined by `+`; one of them may be a regulator.
+//! Cues as text, on the command line and in files: `none`, or terms `FIELD:PROFILE,key=value,…` joined by `+`. One term may be a
+//! regulator.
 //!
-//! The printed text reads back as the same cue: [`Display`](std::fmt::Display) writes every number with as many digits as it takes to
-//! get the same number back.
+//! Parsing the printed text gives the same cue: [`Display`](std::fmt::Display) writes every number with enough digits to recover it
+//! exactly.
 
 use std::fmt;
 use std::str::FromStr;
@@ -43,7 +44,7 @@ impl fmt::Display for Cue {
     }
 }
 
-/// The parts of a sum: text between `+` signs that are neither an exponent's (`1e+3`) nor a number's (`=+0.1`).
+/// The parts of a sum: text between `+` signs that belong neither to an exponent (`1e+3`) nor to a number (`=+0.1`).
 pub fn split_terms(text: &str) -> Vec<&str> {
     let bytes = text.as_bytes();
     let mut parts = Vec::new();
@@ -63,7 +64,7 @@ pub fn split_terms(text: &str) -> Vec<&str> {
     parts
 }
 
-/// Numbers given for one A f, before it is known whether they are all there.
+/// Numbers given for one A f, before they are checked for completeness.
 #[derive(Default)]
 pub(super) struct Numbers {
     pub u0: Option<f64>,
@@ -74,7 +75,7 @@ pub(super) struct Numbers {
     /// Angle and width of a side, in radians.
     pub at: Option<f64>,
     pub spread: Option<f64>,
-    /// Constants of PAR polarity, with the names of those that are given, and L_h in µm.
+    /// Constants of PAR polarity, the names of the given ones, and L_h in µm.
     par: ParConstants,
     par_names: Vec<&'static str>,
     length_um: Option<f64>,
@@ -84,7 +85,7 @@ pub(super) struct Numbers {
 const LENGTH: &str = "length_um";
 
 impl Numbers {
-    /// The profile and its amplitude, if every number that it needs is given, and no other. Errors call it `name`.
+    /// The profile and its amplitude, if exactly the required numbers are given. `name` is its name in errors.
     pub fn profile(self, name: &str, profile: &str) -> Result<(Profile, f64), CueError> {
         let missing = |quantity: Quantity| {
             let field = format!("{name}.{}", quantity.name());
@@ -147,19 +148,19 @@ impl Numbers {
     }
 }
 
-/// Lists the names, and suggests the one nearest to the written text.
+/// Lists the names, and suggests the one nearest to the given text.
 fn one_of(names: &[&str], written: &str) -> String {
     format!("one of {}{}", names.join(", "), did_you_mean(written, names.iter().copied()))
 }
 
-/// The field of a name.
+/// The field with a given name.
 pub(super) fn field(name: &str) -> Result<Field, CueError> {
     let known = Field::ALL.into_iter().find(|field| field.name() == name);
     let allowed = || format!("a field: {}", one_of(&Field::ALL.map(Field::name), name));
     known.ok_or_else(|| CueError::new("cue", shown(name), allowed()))
 }
 
-/// The field of a name that may also be a regulator's.
+/// The field with a given name, for a term or a regulator.
 fn field_of_term(name: &str) -> Result<Field, CueError> {
     let names = || Field::ALL.map(Field::name).into_iter().chain([REGULATOR]);
     let fields = Field::ALL.map(Field::name).join(", ");
@@ -204,15 +205,15 @@ fn parse_term(text: &str) -> Result<WrittenCue, CueError> {
 const AT: &str = "at";
 const SPREAD: &str = "spread";
 
-/// Whether a text begins as a term or a regulator does.
+/// Whether a text begins like a term or a regulator.
 pub fn starts_with_field(text: &str) -> bool {
     Field::ALL.map(Field::name).into_iter().chain([REGULATOR]).any(|name| text.starts_with(name))
 }
 
-/// Replaces the name of a field in the part of a cue that is a regulator.
+/// The word that replaces the name of a field in a regulator.
 pub(super) const REGULATOR: &str = "regulator";
 
-/// The profile at the head of a list, if one is given, and the entries behind it.
+/// The profile at the start of a list, if one is given, and the remaining entries.
 pub(super) fn entries<'a>(
     name: &str,
     list: &'a str,
@@ -235,7 +236,7 @@ pub(super) fn key_and_value<'a>(part: &str, entry: &'a str) -> Result<(&'a str, 
     Ok((key.trim(), value.trim()))
 }
 
-/// The number before a unit, if the unit is there; the µ of µm is written in three ways.
+/// The number before a unit, if the unit is present; the µ of µm has three spellings.
 pub(super) fn without_unit<'a>(value: &'a str, unit: &str) -> Option<&'a str> {
     let behind_mu = unit.strip_prefix('u').filter(|rest| rest.starts_with('m'));
     let others = behind_mu.into_iter().flat_map(|rest| ['µ', 'μ'].map(|mu| format!("{mu}{rest}")));
@@ -247,14 +248,14 @@ pub(super) fn number(name: &str, key: &str, text: &str, value: &str, allowed: &s
     text.parse().map_err(|_| CueError::new(format!("{name}.{key}"), shown(value), allowed))
 }
 
-/// Refuses a key that is given twice.
+/// Rejects a key that is given twice.
 pub(super) fn once(repeated: bool, name: &str, key: &str, value: &str) -> Result<(), CueError> {
     let twice = || CueError::new(format!("{name}.{key}"), shown(value), "given once: it is given twice");
     if repeated { Err(twice()) } else { Ok(()) }
 }
 
 impl Numbers {
-    /// Takes a value if its key is one of these numbers. Errors call the part of the cue `name`.
+    /// Stores a value if its key is one of these numbers. `name` is the name of the part of the cue in errors.
     pub fn set(&mut self, name: &str, key: &str, value: &str) -> Result<bool, CueError> {
         let plain = || number(name, key, value, value, "a number");
         let repeated = match key {
@@ -293,7 +294,7 @@ impl Numbers {
 }
 
 impl Numbers {
-    /// Takes a value if its key is a side's. Errors call the term `name`.
+    /// Stores a value if its key belongs to a side. `name` is the name of the term in errors.
     fn set_side(&mut self, name: &str, key: &str, value: &str) -> Result<bool, CueError> {
         const ALLOWED: &str = "a number, in radians, or with deg behind it in degrees";
         let slot = match key {
@@ -318,7 +319,7 @@ impl FromStr for Cue {
 }
 
 impl WrittenCue {
-    /// Reads a cue; `named` gives the cues of names. Numbers are not checked.
+    /// Parses a cue; `named` resolves names of cues. Numbers are not checked.
     pub(super) fn parse(text: &str, named: impl Fn(&str) -> Option<Cue>) -> Result<WrittenCue, CueError> {
         let parts = split_terms(text);
         let mut written = WrittenCue::default();
@@ -328,9 +329,9 @@ impl WrittenCue {
                 (_, Some(cue)) => WrittenCue::from(cue),
                 _ => parse_term(part).map_err(|error| match parts.len() {
                     1 => error,
-                    // A regulator is the only one.
+                    // Only one regulator is allowed.
                     _ if error.field.starts_with(REGULATOR) => error,
-                    // Messages about one of several terms give its position in the sum.
+                    // Messages about one of several terms include its position in the sum.
                     _ => CueError { field: format!("cue[{}].{}", written.terms(), error.field), ..error },
                 })?,
             };
@@ -341,7 +342,7 @@ impl WrittenCue {
 }
 
 impl Cue {
-    /// Reads a cue and checks it; `named` gives the cues of names, `scale` converts numbers in µm and seconds.
+    /// Parses a cue and checks it; `named` resolves names of cues, `scale` converts numbers in µm and seconds.
     ///
     /// # Errors
     /// [`CueError`] names the part of the cue, its value and the values that are allowed.

@@ -1,9 +1,9 @@
-//! The text of a cue: joins its parts and converts numbers in µm and seconds to the model's units.
+//! A parsed cue before conversion: joins its parts and converts numbers in µm and seconds to the model's units.
 
 use super::{Cue, CueError, LENGTH_UM, Profile, Quantity, Regulator, RegulatorQuantity, Term};
 use crate::{Cell, Parameter};
 
-/// How long L_h and τ are, for cues with numbers in µm and seconds.
+/// L_h and τ in physical units, for cues with numbers in µm and seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Scale {
     /// L_h, in µm.
@@ -13,10 +13,10 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// A width, a turnover or a diffusion in L_h and τ, from one in µm and seconds.
+    /// Converts a width, a turnover or a diffusion from µm and seconds to L_h and τ.
     ///
     /// # Errors
-    /// L_h or τ is needed and not known.
+    /// L_h or τ is needed but unknown.
     fn converted(&self, parameter: Parameter, value: f64) -> Result<f64, &'static str> {
         const NO_LENGTH: &str =
             "in L_h, or in um where the lineage file says how long L_h is, as in units: (length_um: 3.16)";
@@ -34,7 +34,7 @@ impl Scale {
     }
 }
 
-/// A cue as it is written, before it is known how long L_h and τ are.
+/// A cue before L_h and τ are known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WrittenCue {
     cue: Cue,
@@ -62,15 +62,15 @@ impl WrittenCue {
         self.physical.iter().any(|parameter| *parameter != has_no_length)
     }
 
-    /// How many terms it has.
+    /// The number of terms.
     pub(super) fn terms(&self) -> usize {
         self.cue.terms.len()
     }
 
-    /// Adds the terms and the regulator of another.
+    /// Adds the terms and the regulator of another cue.
     ///
     /// # Errors
-    /// Both have a regulator.
+    /// Both cues have a regulator.
     pub(super) fn add(&mut self, other: WrittenCue) -> Result<(), CueError> {
         let before = self.cue.terms.len();
         let WrittenCue { cue: Cue { terms, regulator }, physical } = other;
@@ -87,10 +87,10 @@ impl WrittenCue {
         Ok(())
     }
 
-    /// The cue in L_h and τ. Its numbers are not checked.
+    /// Converts the cue to L_h and τ. Its numbers are not checked.
     ///
     /// # Errors
-    /// A number is in µm or seconds, and the scale does not say how long L_h or τ is.
+    /// A number is in µm or seconds, but the scale lacks L_h or τ.
     pub fn in_units(self, scale: &Scale) -> Result<Cue, CueError> {
         let WrittenCue { cue, physical } = self;
         let mut cell = Cell::new(1.0).with_cue(cue);

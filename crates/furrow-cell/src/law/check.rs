@@ -1,4 +1,4 @@
-//! Conditions on a law: it acts by ξ_s, is isotropic at the poles, and uses the fields that a cue paints.
+//! Conditions on a law: it depends on ξ_s, is isotropic at the poles, and uses the fields that a cue modulates.
 
 use super::names::UNIFORM;
 use super::{Expression, Law, LawValues, VARIABLES, Variable};
@@ -12,19 +12,19 @@ fn spread(k: usize, dimension: usize) -> f64 {
     2.0 * ((k + 1) as f64 * step).fract() - 1.0
 }
 
-/// Number of places at which a law is looked at.
+/// Number of points at which a law is evaluated.
 const PLACES: usize = 24;
 
-/// Relative difference of numbers that count as equal.
+/// Largest relative difference of numbers that count as equal.
 const SAME: f64 = 1e-9;
 
 fn differ(a: f64, b: f64) -> bool {
-    // A value that is not finite shows at the place of the cell, if the cell gets there.
+    // A value that is not finite is reported during the computation, if a cell reaches it.
     (a - b).abs() > SAME * (1.0 + a.abs().max(b.abs()))
 }
 
 impl Law {
-    /// Checks what can be known without a cell: field, value, allowed.
+    /// Checks the conditions that do not depend on a cell. The error has field, value and allowed values.
     pub(super) fn check(&self) -> Result<(), (String, String, String)> {
         if !self.names(Variable::XiS) && !self.names(Variable::XiB) {
             let field = Expression::StressUu.name();
@@ -50,7 +50,7 @@ impl Law {
         }
     }
 
-    /// Whether no expression names its constant of this number.
+    /// Whether no expression uses the constant with this index.
     fn is_idle(&self, number: usize) -> bool {
         !self.program.names_uniform(UNIFORM.len() + number)
     }
@@ -71,7 +71,7 @@ impl Law {
         [c1, c2, c1 + c2, u, s, r, rate, other, phi, kappa, eta_b, eta_s, friction, tension, cell.xi_s, xi_b, z]
     }
 
-    /// Refuses stresses that differ at a pole, where no direction is another.
+    /// Rejects stresses that differ at a pole, where all directions are equivalent.
     fn check_poles(&self, cell: &Cell) -> Result<(), (String, String, String)> {
         let (values, mut memory) = (LawValues::new(self, cell, |_, v| v), Vec::new());
         for k in 0..PLACES {
@@ -96,7 +96,7 @@ impl Law {
         Ok(())
     }
 
-    /// Whether it is the same seen from either pole of a cell.
+    /// Whether it is invariant under exchange of the poles.
     pub fn is_mirror_symmetric(&self, cell: &Cell) -> bool {
         if !self.is_placed() {
             return true;
@@ -110,8 +110,8 @@ impl Law {
         })
     }
 
-    /// Why a surface without axial symmetry cannot have it: a surface has two principal directions, no direction around an axis, and no
-    /// regulator.
+    /// The reason why the law cannot be used without axial symmetry: a surface has two principal directions, but no direction around an
+    /// axis, and no regulator.
     pub fn needs_axis(&self, cell: &Cell) -> Option<String> {
         if self.names(Variable::Phi) {
             return Some("it uses phi, and a regulator has equations with axial symmetry alone".to_owned());
@@ -142,8 +142,8 @@ impl Law {
         None
     }
 
-    /// Why a cue does not go with the law: it paints an activity that no expression names, or something that the moment uses,
-    /// whose slope along the contour the equations would need.
+    /// The reason why a cue is incompatible with the law: it modulates an activity that no expression uses, or a field that the moment
+    /// uses, because the equations would require its slope along the contour.
     pub fn misfit(&self, cue: &Cue) -> Option<String> {
         let coupled = cue.regulator().into_iter().flat_map(|regulator| &regulator.couplings);
         let strong = coupled.filter(|coupling| coupling.strength != 0.0).map(|coupling| coupling.field);

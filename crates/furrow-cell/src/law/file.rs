@@ -12,10 +12,10 @@ use super::text::{ExpressionError, compile};
 use super::{Constant, Expression, Law};
 use furrow_input::{InputError, did_you_mean, forbidden, parse_document, read_text, shown, unique_map};
 
-/// Most characters of a law's name.
+/// Largest number of characters of a law's name.
 const LONGEST: usize = 60;
 
-/// A law as files have it.
+/// A law as written in files.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Law")]
 pub(super) struct Document {
@@ -28,17 +28,17 @@ pub(super) struct Document {
     moment: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     normal_force: Option<String>,
-    /// Whether u counts from the other pole.
+    /// Whether u is measured from the other pole.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     reversed: bool,
 }
 
-/// Reads constants by name, and refuses duplicate names.
+/// Reads constants by name, and rejects duplicate names.
 fn constants<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, Constant>, D::Error> {
     unique_map(deserializer, "constants by name", |name| format!("the constant {name} stands twice"))
 }
 
-/// Why a document is no law.
+/// The reason why a document is not a law.
 #[derive(Debug)]
 enum Fault {
     Expression(Expression, ExpressionError),
@@ -57,7 +57,7 @@ impl Fault {
             Fault::Expression(which, error) => {
                 let written = document.texts()[which as usize].clone().unwrap_or_default();
                 let message = |place: &str| format!("{}: {place}{}", which.name(), error.message);
-                // Within the file if the expression is written there without escapes.
+                // The position is within the file if the expression is written there without escapes.
                 match text.find(&format!("\"{written}\"")).filter(|_| !written.is_empty()) {
                     Some(start) => {
                         let before = &text[..start + 1 + error.at];
@@ -92,7 +92,7 @@ impl Document {
         [moment.clone(), Some(stress_uu.clone()), Some(stress_phiphi.clone()), normal_force.clone()]
     }
 
-    /// A law without units; texts have the order of [`Expression::ALL`].
+    /// A law without units; texts are in the order of [`Expression::ALL`].
     pub(super) fn new(name: &str, constants: BTreeMap<String, Constant>, texts: [Option<String>; 4]) -> Document {
         let [moment, stress_uu, stress_phiphi, normal_force] = texts;
         let [stress_uu, stress_phiphi] = [stress_uu, stress_phiphi].map(Option::unwrap_or_default);
@@ -159,11 +159,11 @@ impl From<Law> for Document {
     }
 }
 
-/// Names of the built-in laws; the equations have their own derivatives for them.
+/// Names of the built-in laws, which the equations implement with hand-written derivatives.
 pub const BUILT_IN: [&str; 1] = ["paper"];
 
 impl Law {
-    /// Reads a law; errors call the text `file`.
+    /// Reads a law; `file` is the name of the text in errors.
     ///
     /// # Errors
     /// Names the file, the field or the position in an expression, and the allowed values.
@@ -172,10 +172,10 @@ impl Law {
         document.checked(text, file)
     }
 
-    /// Reads the law of an option: a file, or `paper`, the law of the equations themselves, which is `None`.
+    /// Reads the law of an option: a file, or `paper` for the built-in law, which is `None`.
     ///
     /// # Errors
-    /// As [`parse`](Self::parse), and of a file that cannot be read.
+    /// As [`parse`](Self::parse), and if the file cannot be read.
     pub fn read(given: &Path) -> Result<Option<Law>, InputError> {
         let file = given.display().to_string();
         if BUILT_IN.contains(&file.as_str()) {
@@ -183,7 +183,7 @@ impl Law {
         }
         match read_text(given) {
             Ok(text) => Law::parse(&text, &file).map(Some),
-            // A word without a folder or an ending was meant as a name.
+            // A word without a folder or an extension was probably meant as a name.
             Err(_) if !file.contains(['.', '/', '\\']) => {
                 let allowed = format!("a file, or {}{}", BUILT_IN.join(", "), did_you_mean(&file, BUILT_IN));
                 Err(InputError::not_allowed("--law", "law", shown(&file), allowed))

@@ -1,4 +1,4 @@
-//! Checks of a law on the sphere from which cells start: finite values, and a regulator if the law reads one.
+//! Checks of a law on the initial sphere of cells: finite values, and a regulator if the law uses one.
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -6,12 +6,12 @@ use std::fmt;
 use super::{Active, Expression, Law, LawValues, VARIABLES, Variable};
 use crate::{Cell, Cue};
 
-/// An expression of a law that has no finite value at a place of a shape from which cells start.
+/// An expression of a law without a finite value at a point of the initial shape of a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NotFinite {
     /// The expression.
     pub expression: Expression,
-    /// The place in u, 0 or 1 at a pole.
+    /// The position u, 0 or 1 at a pole.
     pub u: f64,
     /// The curvatures c1 and c2, in 1/L_h.
     pub curvatures: [f64; 2],
@@ -39,21 +39,21 @@ impl fmt::Display for NotFinite {
     }
 }
 
-/// Places in u that are looked at: poles first, since most laws that are infinite anywhere are infinite there.
+/// Positions u that are checked. The poles come first, since most laws that diverge anywhere diverge there.
 const PLACES: [f64; 5] = [0.0, 1.0, 0.5, 0.25, 0.75];
 
-/// Distances from a place, relative to the radius, at which a value that is undefined at the place itself shows whether it has a
-/// limit, as sin(r)/r has at a pole.
+/// Distances from a point, relative to the radius. If an expression is undefined at the point, its values at these distances show
+/// whether it has a limit, as sin(r)/r has at a pole.
 const NEAR: [f64; 2] = [1e-4, 1e-6];
 
-/// Factor by which a value may grow between the two distances and still have a limit: 1/r grows by 100.
+/// Largest factor between the values at the two distances for an expression with a limit; for 1/r it is 100.
 const GROWTH: f64 = 10.0;
 
 impl Law {
-    /// Where on the sphere from which cells start an expression is not finite, without flow and with φ = 0, at the cell's activity or
+    /// The point of the initial sphere at which an expression is not finite, without flow and with φ = 0, at the cell's activity or
     /// without activity.
     pub fn not_finite(&self, cell: &Cell) -> Option<NotFinite> {
-        // Without activity a law that is infinite may give 0 times infinity, which says less than the infinite value does.
+        // Without activity a divergent law may give 0 times infinity, which is less informative than the infinite value.
         let active = if cell.xi_s == 0.0 { 1.0 } else { cell.xi_s };
         let places = [active, 0.0].into_iter().flat_map(|xi_s| PLACES.map(|u| (xi_s, u)));
         let values = LawValues::new(self, cell, |_, v| v);
@@ -76,24 +76,24 @@ impl Law {
         Some(NotFinite { expression, u, curvatures: [1.0 / cell.r0; 2], r, xi_s, value })
     }
 
-    /// Whether it reads the regulator φ.
+    /// Whether it uses the regulator φ.
     pub fn reads_regulator(&self) -> bool {
         self.names(Variable::Phi)
     }
 }
 
 impl Cell {
-    /// Whether its law reads the regulator φ.
+    /// Whether its law uses the regulator φ.
     pub fn law_reads_regulator(&self) -> bool {
         self.law.as_ref().is_some_and(|law| law.reads_regulator())
     }
 
-    /// Whether its cue does something: a regulator without fields does if the law reads it.
+    /// Whether its cue has an effect; a regulator without fields has one if the law uses it.
     pub fn has_cue(&self) -> bool {
         self.simplified_cue() != Cue::none()
     }
 
-    /// The warning for a law that reads φ in a cell without a regulator.
+    /// The warning for a law that uses φ in a cell without a regulator.
     pub fn lacks_regulator(&self) -> Option<String> {
         let law = self.law.as_ref().filter(|law| law.reads_regulator() && self.cue.regulator().is_none())?;
         Some(format!(
@@ -103,7 +103,7 @@ impl Cell {
     }
 }
 
-/// A regulator that acts through a law alone, as users write it.
+/// The notation of a regulator that acts only through a law.
 pub const REGULATOR: &str = "regulator:none,turnover=10,diffusion=1,activity=0";
 
 /// sin πu, exactly 0 at both poles.
@@ -111,13 +111,13 @@ fn sine(u: f64) -> f64 {
     if u == 1.0 { 0.0 } else { (PI * u).sin() }
 }
 
-/// The expressions' values in the order of [`Expression::ALL`].
+/// The values of the expressions in the order of [`Expression::ALL`].
 fn numbers(of: &Active<f64>) -> [f64; 4] {
     [of.moment, of.stress[0], of.stress[1], of.normal_force]
 }
 
-/// The quantities at u of a sphere with the cell's volume, or of a surface that differs a little from it, as passive cells do: near a
-/// pole the difference of its curvatures grows with the square of the distance.
+/// The quantities at u of a sphere with the cell's volume, or of a slightly different surface, as passive cells have: near a
+/// pole the difference of its curvatures increases with the square of the distance.
 fn on_sphere(cell: &Cell, values: &LawValues<f64>, xi_s: f64, u: f64, away: f64) -> [f64; VARIABLES] {
     let (r0, material) = (cell.r0, &cell.material);
     let bend = away * away;

@@ -1,13 +1,13 @@
-//! Laws of active stress as data: expressions of the quantities at a place of the cortex.
+//! Laws of active stress as data: expressions of the local quantities of the cortex.
 //!
 //! | file | contents |
 //! |---|---|
 //! | `text` | the grammar of expressions |
-//! | `program` | expressions as a list of operations, for any kind of number |
+//! | `program` | expressions as a list of operations, for any number type |
 //! | `names` | the names that expressions may use |
 //! | `file` | laws in RON and JSON |
 //! | `check` | conditions on a law |
-//! | `finite` | checks on the sphere from which cells start |
+//! | `finite` | checks on the initial sphere of cells |
 //! | `stated` | laws as functions of Rust |
 
 mod check;
@@ -52,7 +52,7 @@ impl Expression {
         [Moment, StressUu, StressPhiphi, NormalForce]
     };
 
-    /// The field that has it in files.
+    /// Its field in files.
     pub fn name(self) -> &'static str {
         ["moment", "stress_uu", "stress_phiphi", "normal_force"][self as usize]
     }
@@ -64,15 +64,15 @@ impl Expression {
 pub struct Constant {
     /// Its value, in units of κ0, L_h and τ.
     pub value: f64,
-    /// Its unit, for readers: it is not computed with.
+    /// Its unit, for readers only; it is not used in the computation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
 }
 
 /// A law of active stress as expressions of [`Variable`]s, parameters and its own constants.
 ///
-/// It replaces the active stress T_uu = g\[½ξ_s(c1 − c2) + ξ_b C\], T_φφ = g\[−½ξ_s(c1 − c2) + ξ_b C\] of the equations; everything
-/// else stays. Where ξ_s = 0 it gives the passive cell, from which divisions and branches start.
+/// It replaces the active stress T_uu = g\[½ξ_s(c1 − c2) + ξ_b C\], T_φφ = g\[−½ξ_s(c1 − c2) + ξ_b C\] of the equations and leaves
+/// all else unchanged. At ξ_s = 0 it gives the passive cell, from which divisions and branches start.
 ///
 /// ```
 /// use furrow_cell::law::Law;
@@ -102,9 +102,9 @@ pub struct Law {
     name: String,
     /// Its constants by name.
     constants: BTreeMap<String, Constant>,
-    /// The expressions as they are written.
+    /// The texts of the expressions.
     texts: [Option<String>; 4],
-    /// Whether it is read from the other pole, u → 1 − u.
+    /// Whether it applies from the other pole, u → 1 − u.
     reversed: bool,
     program: Arc<Program>,
 }
@@ -120,17 +120,17 @@ impl Law {
         self.constants.iter().map(|(name, constant)| (name.as_str(), constant))
     }
 
-    /// An expression as it is written; `None` if the law lacks it.
+    /// The text of an expression; `None` if the law lacks it.
     pub fn text(&self, which: Expression) -> Option<&str> {
         self.texts[which as usize].as_deref()
     }
 
-    /// An expression as messages show it.
+    /// An expression as shown in messages.
     fn shown(&self, which: Expression) -> String {
         furrow_input::shown(self.text(which).unwrap_or_default())
     }
 
-    /// Whether it is read from the other pole.
+    /// Whether it applies from the other pole.
     pub fn is_reversed(&self) -> bool {
         self.reversed
     }
@@ -140,12 +140,12 @@ impl Law {
         self.constants.get(name.bare()).map(|constant| constant.value)
     }
 
-    /// Where the value of a constant is kept.
+    /// Mutable access to the value of a constant.
     pub(crate) fn constant_mut(&mut self, name: ConstantName) -> Option<&mut f64> {
         self.constants.get_mut(name.bare()).map(|constant| &mut constant.value)
     }
 
-    /// The names of its constants, as [`Parameter`]s have them.
+    /// The names of its constants as [`Parameter`]s.
     pub fn parameters(&self) -> impl Iterator<Item = Parameter> {
         self.constants.keys().filter_map(|name| ConstantName::new(name)).map(Parameter::Law)
     }
@@ -159,22 +159,22 @@ impl Law {
         format!("{:?} ({})", self.name, parts.collect::<Vec<_>>().join(", "))
     }
 
-    /// Whether an expression uses a quantity of the place.
+    /// Whether an expression uses a local quantity.
     pub fn uses(&self, which: Expression, variable: Variable) -> bool {
         self.program.uses(which as usize).contains(&(variable as u16))
     }
 
-    /// Whether any expression uses a quantity of the place.
+    /// Whether any expression uses a local quantity.
     pub fn names(&self, variable: Variable) -> bool {
         Expression::ALL.into_iter().any(|which| self.uses(which, variable))
     }
 
-    /// Whether an expression uses a quantity that tells one pole from the other.
+    /// Whether an expression uses a quantity that distinguishes the poles.
     pub(crate) fn is_placed(&self) -> bool {
         [Variable::U, Variable::S, Variable::Z].into_iter().any(|variable| self.names(variable))
     }
 
-    /// The same law seen from the other pole, u → 1 − u.
+    /// The mirror image of the law, u → 1 − u.
     pub fn mirrored(&self) -> Law {
         Law { reversed: self.reversed ^ self.is_placed(), ..self.clone() }
     }
@@ -197,7 +197,7 @@ pub struct LawValues<D> {
     pub moment: [bool; 2],
 }
 
-/// The values of a law at a place, in κ0 and L_h.
+/// The values of a law at a point, in κ0 and L_h.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Active<D> {
     /// T_uu and T_φφ, in κ0/L_h².
@@ -208,11 +208,11 @@ pub struct Active<D> {
     pub normal_force: D,
 }
 
-/// Number of quantities of a place.
+/// Number of local quantities.
 pub const VARIABLES: usize = Variable::ALL.len();
 
 impl<D: Number> LawValues<D> {
-    /// The law of a cell; `vary` may replace any named parameter by a number that carries derivatives.
+    /// The law of a cell; `vary` may replace any named parameter by a number with derivatives.
     pub fn new(law: &Law, cell: &Cell, vary: impl Fn(Parameter, f64) -> D) -> LawValues<D> {
         let of_cell = names::UNIFORM.into_iter().map(|parameter| vary(parameter, parameter.get(cell)));
         let own = law.constants.iter().map(|(name, constant)| match ConstantName::new(name) {
@@ -237,7 +237,7 @@ impl<D: Number> LawValues<D> {
 }
 
 impl<D: Algebra> LawValues<D> {
-    /// The same with numbers of another kind.
+    /// The same with another number type.
     pub fn map<E>(&self, number: impl Fn(D) -> E) -> LawValues<E> {
         let LawValues { reversed, viscous, bends, placed, moment, .. } = *self;
         LawValues {
@@ -256,37 +256,37 @@ impl<D: Algebra> LawValues<D> {
         self.uniform[0]
     }
 
-    /// u and s as the law reads them, on a contour of length `length`.
+    /// u and s in the orientation of the law, on a contour of length `length`.
     pub fn along(&self, u: f64, length: D) -> [D; 2] {
         let u = if self.reversed { 1.0 - u } else { u };
         [D::from(u), length * u]
     }
 
-    /// z as the law reads it.
+    /// z in the orientation of the law.
     pub fn height(&self, z: D) -> D {
         if self.reversed { -z } else { z }
     }
 
-    /// The derivative of the law's u by u, of its s by s and of its z by z: 1, or −1 where it is read from the other pole.
+    /// The derivative of the law's u with respect to u, and likewise for s and z: 1, or −1 if it applies from the other pole.
     pub fn direction(&self) -> f64 {
         if self.reversed { -1.0 } else { 1.0 }
     }
 
-    /// The moment at a place, whose quantities are in the order of [`Variable::ALL`]; `values` is working memory.
+    /// The moment at a point with the given quantities, in the order of [`Variable::ALL`]; `values` is working memory.
     pub fn moment(&self, place: &[D; VARIABLES], values: &mut Vec<D>) -> D {
         values.clear();
         self.program.run(Some(self.program.parts()[0]), place, &self.uniform, values);
         self.program.result(0, values)
     }
 
-    /// The stress T_uu alone.
+    /// Only the stress T_uu.
     pub fn stress_uu(&self, place: &[D; VARIABLES], values: &mut Vec<D>) -> D {
         values.clear();
         self.program.run(Some(self.program.parts()[1]), place, &self.uniform, values);
         self.program.result(1, values)
     }
 
-    /// Everything that the law gives at a place.
+    /// All values of the law at a point.
     pub fn at(&self, place: &[D; VARIABLES], values: &mut Vec<D>) -> Active<D> {
         let moment = self.moment(place, values);
         self.program.run(None, place, &self.uniform, values);
@@ -296,11 +296,11 @@ impl<D: Algebra> LawValues<D> {
 }
 
 impl Cell {
-    /// Checks whether its cue goes with its law, and whether the law is finite where cells start; errors say they came from
+    /// Checks whether its cue is compatible with its law, and whether the law is finite on the initial shape; errors name the source
     /// `source_name`.
     ///
     /// # Errors
-    /// Names the cue and the reason, or the expression, the place and the value.
+    /// Names the cue and the reason, or the expression, the position and the value.
     pub fn check_law(&self, source_name: &str) -> Result<(), InputError> {
         let Some(law) = &self.law else { return Ok(()) };
         if let Some(found) = law.not_finite(self) {
@@ -312,7 +312,7 @@ impl Cell {
         Err(InputError::not_allowed(source_name, "cue", &self.cue, allowed))
     }
 
-    /// The same cell with a law of active stress of its own.
+    /// The same cell with another law of active stress.
     pub fn with_law(self, law: Law) -> Cell {
         Cell { law: Some(Box::new(law)), ..self }
     }

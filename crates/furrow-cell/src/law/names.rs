@@ -12,7 +12,7 @@ use super::text::{Names, functions};
 use crate::Parameter;
 use crate::settings::parameters;
 
-/// A quantity of a place of the cortex.
+/// A local quantity of the cortex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variable {
     /// Meridional curvature c1, in 1/L_h.
@@ -33,21 +33,21 @@ pub enum Variable {
     Sphiphi,
     /// The regulator φ; 0 without one.
     Phi,
-    /// Bending rigidity κ at the place.
+    /// Local bending rigidity κ.
     Kappa,
-    /// Bulk viscosity η_b at the place.
+    /// Local bulk viscosity η_b.
     EtaB,
-    /// Shear viscosity η_s at the place.
+    /// Local shear viscosity η_s.
     EtaS,
-    /// Friction Γ at the place.
+    /// Local friction Γ.
     Friction,
-    /// Passive tension γ at the place.
+    /// Local passive tension γ.
     Tension,
-    /// Activity ξ_s at the place, as published.
+    /// Local activity ξ_s, as published.
     XiS,
-    /// Activity ξ_b at the place, as published.
+    /// Local activity ξ_b, as published.
     XiB,
-    /// Place along the axis z, in L_h: 0 in the middle of the shell, above it at the pole u = 0.
+    /// Position z along the axis, in L_h: 0 in the middle of the shell, positive towards the pole u = 0.
     Z,
 }
 
@@ -68,13 +68,13 @@ impl Variable {
     }
 }
 
-/// Parameters that are the same everywhere on a cell; the gain is the first.
+/// Parameters that are uniform on a cell; the first is the gain.
 pub(super) const UNIFORM: [Parameter; 7] = {
     use Parameter::*;
     [Gain, XiRatio, R0, Epsilon, Aspect, P0, W]
 };
 
-/// The names of a law with some constants.
+/// The names of a law with given constants.
 pub(super) struct Known<'a>(pub &'a BTreeMap<String, Constant>);
 
 impl Names for Known<'_> {
@@ -105,23 +105,24 @@ pub(super) fn reserved() -> impl Iterator<Item = &'static str> {
     variables.chain(UNIFORM.into_iter().map(Parameter::name)).chain(["pi"]).chain(functions())
 }
 
-/// Most characters of a constant's name.
+/// Largest number of characters of a constant's name.
 pub const LONGEST_NAME: usize = 32;
 
 /// The name of a constant of a law, as a parameter: `law.NAME`.
 ///
-/// Every name that was ever read is kept for the life of the program, so that [`Parameter`] stays small and can be copied.
+/// All names are kept for the lifetime of the program, so that [`Parameter`] is small and can be copied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ConstantName(&'static str);
 
-/// What names of constants begin with where they are parameters.
+/// The prefix of names of constants that are parameters.
 pub(crate) const PREFIX: &str = "law.";
 
 /// All names so far.
 static KNOWN: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
 
 impl ConstantName {
-    /// A name without `law.`; `None` unless it is a letter followed by letters, digits and `_`, [`LONGEST_NAME`] at most.
+    /// A name without `law.`; `None` unless it is a letter followed by letters, digits and `_`, with at most [`LONGEST_NAME`]
+    /// characters.
     pub fn new(bare: &str) -> Option<ConstantName> {
         let begins = bare.starts_with(|c: char| c.is_ascii_alphabetic());
         let fine = begins && bare.len() <= LONGEST_NAME && bare.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
@@ -139,17 +140,17 @@ impl ConstantName {
         })
     }
 
-    /// A name with `law.` before it.
+    /// A name with the prefix `law.`.
     pub fn read(whole: &str) -> Option<ConstantName> {
         whole.strip_prefix(PREFIX).and_then(ConstantName::new)
     }
 
-    /// The name with `law.` before it.
+    /// The name with the prefix `law.`.
     pub fn whole(self) -> &'static str {
         self.0
     }
 
-    /// The name alone.
+    /// The name without the prefix.
     pub fn bare(self) -> &'static str {
         &self.0[PREFIX.len()..]
     }

@@ -1,13 +1,13 @@
-//! Expressions as a list of operations, evaluated in any kind of number.
+//! Expressions as a list of operations that can be evaluated for any number type.
 //!
-//! Equal parts of all expressions of a law are computed once. Derivatives come from the numbers: the same list is run with
-//! numbers that carry them.
+//! Common subexpressions of a law are computed once. Derivatives follow from running the same list with
+//! numbers that carry derivatives.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::Number;
 
-/// A function of one number that expressions may use.
+/// A function of one variable that expressions may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Function {
     /// Square root.
@@ -53,7 +53,7 @@ impl Function {
         ]
     };
 
-    /// The derivative at x, where the function's value is `value`.
+    /// The derivative at x, given the function's value `value`.
     pub fn slope<A: Algebra>(self, x: A, value: A) -> A {
         let one = A::from(1.0);
         match self {
@@ -85,19 +85,19 @@ pub trait Algebra:
 {
     /// The number without its derivatives.
     fn real(self) -> f64;
-    /// A function of it.
+    /// Applies a function.
     fn call(self, function: Function) -> Self;
-    /// A whole power.
+    /// An integer power.
     fn whole_power(self, exponent: i32) -> Self;
-    /// The smaller of two, the first if they are equal.
+    /// The smaller of two numbers, the first if they are equal.
     fn least(self, other: Self) -> Self {
         if other.real() < self.real() { other } else { self }
     }
-    /// The larger of two, the first if they are equal.
+    /// The larger of two numbers, the first if they are equal.
     fn most(self, other: Self) -> Self {
         if other.real() > self.real() { other } else { self }
     }
-    /// The derivative n xⁿ⁻¹ of a whole power.
+    /// The derivative n xⁿ⁻¹ of an integer power.
     fn power_slope(self, exponent: i32) -> Self {
         if exponent == 0 { Self::from(0.0) } else { self.whole_power(exponent - 1) * f64::from(exponent) }
     }
@@ -129,14 +129,14 @@ impl<D: Number> Algebra for D {
     }
 }
 
-/// One operation; its operands are places in the list before it.
+/// One operation; its operands are indices of earlier operations in the list.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Step {
-    /// A number of the text.
+    /// A number in the text.
     Number(f64),
-    /// A quantity of the place, by its index among [`Variable`](super::Variable)s.
+    /// A local quantity, by its index among [`Variable`](super::Variable)s.
     Variable(u16),
-    /// A number that is the same everywhere: a parameter of the cell, or a constant of the law.
+    /// A uniform number: a parameter of the cell, or a constant of the law.
     Uniform(u16),
     Negate(u16),
     Add(u16, u16),
@@ -150,21 +150,21 @@ pub(super) enum Step {
     Call(Function, u16),
 }
 
-/// Most operations of a law.
+/// Largest number of operations of a law.
 pub(super) const MOST_STEPS: usize = 2000;
 
 /// The operations of all expressions of a law.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Program {
     steps: Vec<Step>,
-    /// Where the results are, in the order of [`Expression`](super::Expression); `None` if the law lacks the expression.
+    /// Indices of the results, in the order of [`Expression`](super::Expression); `None` if the law lacks the expression.
     pub(super) results: [Option<u16>; 4],
-    /// Operations before the end of the first expression, the moment: the others need its value.
+    /// Number of operations up to the end of the first expression, the moment, because the others need its value.
     first: usize,
 }
 
 impl Program {
-    /// Adds an operation, unless the list has it; `None` if the list is full.
+    /// Adds an operation unless it is already in the list; `None` if the list is full.
     pub(super) fn add(&mut self, step: Step) -> Option<u16> {
         let step = self.folded(step);
         if let Some(known) = self.steps.iter().position(|other| *other == step) {
@@ -176,7 +176,7 @@ impl Program {
         })
     }
 
-    /// The number that an operation on numbers gives, or the operation itself.
+    /// The result of an operation on constants, or the operation itself.
     fn folded(&self, step: Step) -> Step {
         let number = |at: u16| if let Step::Number(x) = self.steps[usize::from(at)] { Some(x) } else { None };
         let both = |a, b, of: fn(f64, f64) -> f64| number(a).zip(number(b)).map(|(a, b)| of(a, b));
@@ -204,7 +204,7 @@ impl Program {
         }
     }
 
-    /// Which quantities of the place an expression uses, by their indices.
+    /// The local quantities that an expression uses, by their indices.
     pub(super) fn uses(&self, which: usize) -> Vec<u16> {
         let (mut used, mut found) = (vec![false; self.steps.len()], Vec::new());
         if let Some(result) = self.results[which] {
@@ -230,19 +230,19 @@ impl Program {
         found
     }
 
-    /// Whether an expression names a parameter or a constant, by its index.
+    /// Whether an expression uses a parameter or a constant, given by its index.
     pub(super) fn names_uniform(&self, index: usize) -> bool {
-        // The parser adds an operation for each name that it reads.
+        // The parser adds an operation for each name.
         self.steps.iter().any(|step| matches!(step, Step::Uniform(k) if usize::from(*k) == index))
     }
 
-    /// The number of operations before the end of the first expression, and of the second.
+    /// The number of operations up to the end of the first and of the second expression.
     pub(super) fn parts(&self) -> [usize; 2] {
         let second = self.results[1].map_or(0, |at| usize::from(at) + 1);
         [self.first, second.max(self.first)]
     }
 
-    /// Runs the operations after those that `values` holds, up to a number of them or to the last.
+    /// Continues after the operations with results in `values`, up to a given number of operations or to the last.
     pub(super) fn run<A: Algebra>(&self, until: Option<usize>, place: &[A], uniform: &[A], values: &mut Vec<A>) {
         let steps = &self.steps[values.len()..until.unwrap_or(self.steps.len())];
         for step in steps {
@@ -266,7 +266,7 @@ impl Program {
         }
     }
 
-    /// The value of an expression after it was run; 0 if the law lacks it.
+    /// The value of an expression after the run; 0 if the law lacks it.
     pub(super) fn result<A: Algebra>(&self, which: usize, values: &[A]) -> A {
         self.results[which].map_or(A::from(0.0), |at| values[usize::from(at)])
     }

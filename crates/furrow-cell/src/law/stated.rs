@@ -1,7 +1,7 @@
 //! Laws stated in Rust, as one generic function.
 //!
-//! The function is called once, with symbols in place of numbers. Its operations on them are recorded as the expressions of a file, so
-//! that the law is cached, saved and differentiated like one from a file.
+//! The function is called once, with symbols instead of numbers. Its operations are recorded as expressions, so
+//! the law is cached, saved and differentiated like one from a file.
 
 use std::cell::{Cell as Flag, RefCell};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -12,7 +12,7 @@ use super::text::LONGEST;
 use super::{Active, Constant, Law};
 use furrow_input::InputError;
 
-/// A law of active stress as a function for any kind of number.
+/// A law of active stress as a function that is generic over the number type.
 ///
 /// ```
 /// use furrow_cell::law::{Active, Algebra, Law, Stated};
@@ -46,26 +46,26 @@ pub trait Stated {
     /// Its name in messages and reports.
     fn name(&self) -> &str;
 
-    /// Its constants, which parameters `law.NAME` change, in units of κ0, L_h and τ.
+    /// Its constants, in units of κ0, L_h and τ; the parameters `law.NAME` change them.
     fn constants(&self) -> Vec<(&str, f64)> {
         Vec::new()
     }
 
-    /// Stresses in κ0/L_h², moment in κ0/L_h and force in κ0/L_h³; the number 0 means no moment or no force. `at` gives a quantity by its
-    /// name in files: a [`Variable`](super::Variable), a parameter, or a constant. The function may not look at the value of a number
-    /// ([`Algebra::real`]): [`Algebra::least`] and [`Algebra::most`] choose between numbers.
+    /// Stresses in κ0/L_h², moment in κ0/L_h and force in κ0/L_h³; the number 0 means no moment or no force. `at` returns a quantity by
+    /// its name in files: a [`Variable`](super::Variable), a parameter, or a constant. The function must not inspect the value of a
+    /// number ([`Algebra::real`]); [`Algebra::least`] and [`Algebra::most`] choose between numbers.
     fn active<N: Algebra>(&self, at: &dyn Fn(&str) -> N) -> Active<N>;
 }
 
-/// The operations of a function so far.
+/// The recorded operations of a function.
 #[derive(Default)]
 struct Record {
     texts: RefCell<Vec<String>>,
-    /// Whether it looked at the value of a number.
+    /// Whether the function inspected the value of a number.
     looked: Flag<bool>,
 }
 
-/// A number, or the place of an expression in a record.
+/// A number, or the index of an expression in a record.
 #[derive(Clone, Copy)]
 enum Symbol<'a> {
     Number(f64),
@@ -81,12 +81,12 @@ impl<'a> Symbol<'a> {
         }
     }
 
-    /// The record of the first that has one, with a text added.
+    /// Adds a text to the record of the first operand that has one.
     fn write(of: [Symbol<'a>; 2], text: String) -> Symbol<'a> {
         let record = of.into_iter().find_map(|x| if let Symbol::Written(record, _) = x { Some(record) } else { None });
         let Some(record) = record else { return Symbol::Number(f64::NAN) };
         let mut texts = record.texts.borrow_mut();
-        // A longer text is refused where it is read; more of it would only fill memory.
+        // A longer text is rejected when it is parsed, so it need not be recorded further.
         texts.push(if text.len() > 2 * LONGEST { "0".repeat(LONGEST + 1) } else { text });
         Symbol::Written(record, texts.len() - 1)
     }
@@ -177,7 +177,7 @@ impl Algebra for Symbol<'_> {
 }
 
 impl Law {
-    /// The law that a function states, the same as one of a file with these expressions.
+    /// The law defined by a function, which equals the law of a file with these expressions.
     ///
     /// # Errors
     /// Names the expression and the fault: an unknown name, a number that is not finite, too much text, too many operations, a comparison of
@@ -201,7 +201,7 @@ impl Law {
     }
 }
 
-/// A number as a user would write it.
+/// A number in the user's notation.
 fn written(x: f64) -> String {
     if x.fract() == 0.0 && x.abs() < 1e15 { x.to_string() } else { format!("{x:?}") }
 }

@@ -8,24 +8,24 @@
 //! atom    = number | name | name "(" sum { "," sum } ")" | "(" sum ")"
 //! ```
 //!
-//! A parser of its own, since an error says at which character it is and what was expected there, and since the result is one
-//! list of operations for plain numbers and for all kinds of numbers that carry derivatives.
+//! A hand-written parser can report the position of an error and the expected text, and its result is one
+//! list of operations for plain numbers and for all number types with derivatives.
 
 use super::program::{Function, MOST_STEPS, Program, Step};
 use furrow_input::{did_you_mean, shown};
 
-/// Longest text of an expression, in bytes.
+/// Largest length of an expression, in bytes.
 pub(super) const LONGEST: usize = 4096;
-/// Most parentheses and signs within each other.
+/// Largest nesting depth of parentheses and signs.
 const DEEPEST: usize = 60;
 
-/// Most names that an error lists.
+/// Largest number of names listed in an error.
 const MOST_NAMES: usize = 60;
 
 /// An error in an expression.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExpressionError {
-    /// The byte at which it is.
+    /// The byte offset of the error.
     pub at: usize,
     /// The error, with the known names.
     pub message: String,
@@ -39,7 +39,7 @@ pub(super) trait Names {
     fn all(&self) -> Vec<String>;
 }
 
-/// Adds an expression to a program; returns where its result is.
+/// Adds an expression to a program; returns the index of its result.
 pub(super) fn compile(text: &str, names: &dyn Names, program: &mut Program) -> Result<u16, ExpressionError> {
     let mut parser = Parser { text, at: 0, depth: 0, names, program };
     if text.len() > LONGEST {

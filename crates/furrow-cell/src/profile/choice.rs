@@ -1,4 +1,4 @@
-//! The shell that a setting or a file chooses: the ellipsoid, or the profile of a table.
+//! The shell selected by a setting or a file: the ellipsoid, or the profile of a table.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use furrow_input::{InputError, shown};
 /// The word for a shell without a table.
 pub const ELLIPSOID: &str = "ellipsoid";
 
-/// The shell that is chosen.
+/// The selected shell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "WrittenShell", into = "WrittenShell")]
 pub enum ShellChoice {
@@ -26,7 +26,7 @@ impl ShellChoice {
     /// Reads a choice: [`ELLIPSOID`], or the file of a table, relative to a folder.
     ///
     /// # Errors
-    /// As [`ShellProfile::read`], and `refused` of the allowed values if the text is neither.
+    /// As [`ShellProfile::read`], and `refused` with the allowed values if the text is neither.
     pub fn named(
         text: &str,
         folder: &Path,
@@ -35,14 +35,14 @@ impl ShellChoice {
         if text == ELLIPSOID {
             return Ok(ShellChoice::Ellipsoid);
         }
-        // A word without a folder or an ending was meant as a name.
+        // A word without a folder or an extension was probably meant as a name.
         if !text.contains(['.', '/', '\\']) || text.parse::<f64>().is_ok() {
             return Err(refused(format!("the file of a table of r over z, or {ELLIPSOID}")));
         }
         Ok(ShellChoice::Profile(Box::new(ShellProfile::read(&folder.join(text))?)))
     }
 
-    /// The profile, which the ellipsoid does without.
+    /// The profile; `None` for the ellipsoid.
     pub fn profile(&self) -> Option<&ShellProfile> {
         match self {
             ShellChoice::Ellipsoid => None,
@@ -50,7 +50,7 @@ impl ShellChoice {
         }
     }
 
-    /// Puts a cell into the shell, with the aspect ratio of its table if it has one.
+    /// Sets the shell of a cell, including the aspect ratio of a table.
     pub fn apply(&self, cell: &mut Cell) {
         if let Some(profile) = self.profile() {
             cell.shell.aspect = profile.aspect();
@@ -70,7 +70,7 @@ impl ShellChoice {
 pub enum WrittenShell {
     /// [`ELLIPSOID`], or the file of a table.
     Named(String),
-    /// A profile itself, as `tree.json` has it.
+    /// The profile itself, as in `tree.json`.
     Profile(Box<ShellProfile>),
 }
 

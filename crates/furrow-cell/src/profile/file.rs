@@ -1,7 +1,7 @@
 //! Tables of profiles, and profiles in JSON.
 //!
-//! A table has the columns `z` and `r` in one unit, whichever it is, since the size of a shell follows from the cell: the distance
-//! from the axis at places along it, from pole to pole, with r = 0 at both. At the larger z is the pole u = 0, the posterior one.
+//! A table has the columns `z` and `r`: the distance from the axis at positions along it, from pole to pole, with r = 0 at both. The
+//! unit is arbitrary, since the size of a shell follows from the cell. The pole at larger z is the posterior one, u = 0.
 
 use std::io::Read;
 use std::path::Path;
@@ -14,30 +14,30 @@ use super::{Factor, MOST_TERMS, ShellProfile};
 use furrow_input::table::{Table, malformed, split_unit, unit_word};
 use furrow_input::{InputError, open_file};
 
-/// Fewest rows of a table.
+/// Smallest number of rows of a table.
 const FEWEST: usize = 9;
 
-/// Most rows of a table.
+/// Largest number of rows of a table.
 const MOST: usize = 20_000;
 
-/// Greatest distance of a point from the profile, as a share of its distance from the origin.
+/// Largest allowed distance of a point from the profile, relative to its distance from the origin.
 const FARTHEST: f64 = 0.02;
 
-/// How far from 1 the volume of a profile in JSON may be.
+/// Largest deviation from 1 of the volume of a profile in JSON.
 const VOLUME: f64 = 1e-6;
 
 impl ShellProfile {
     /// Reads a table.
     ///
     /// # Errors
-    /// Names file, line, field, value and the allowed ones: rows that cannot be read, columns in two units, a negative r, a profile that is
-    /// not closed or cannot be seen as a whole from a place on its axis, and too few points.
+    /// Names file, line, field, value and the allowed values for rows that cannot be read, columns in two units, a negative r, a profile
+    /// that is not closed or not star-shaped about a point on its axis, and too few points.
     pub fn read(path: &Path) -> Result<ShellProfile, InputError> {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         ShellProfile::from_table(open_file(path)?, &name, &path.display().to_string())
     }
 
-    /// Reads the table of a profile with a name; errors call it `file`.
+    /// Reads the table of a profile with a name; `file` is its name in errors.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -161,7 +161,7 @@ impl Unfit {
     }
 }
 
-/// A profile as JSON has it.
+/// A profile as stored in JSON.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Document {

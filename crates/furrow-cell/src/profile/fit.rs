@@ -1,41 +1,41 @@
-//! The smooth closed profile through the points of a table.
+//! Fits a smooth closed profile to the points of a table.
 //!
-//! On the profile 1 = ρ² h(μ), with (ρ, μ) the polar coordinates of a point after its z is divided by a/b. This is linear in the terms of h. Least
-//! squares of the relative error give them for each number of terms, and generalised cross-validation the number. Origin and a/b follow
-//! from the moments of the profile, which is then fitted again.
+//! On the profile 1 = ρ² h(μ), where (ρ, μ) are the polar coordinates of a point after division of z by a/b. This is linear in the
+//! coefficients of h. A least-squares fit of the relative error determines them, and generalised cross-validation their number. Origin
+//! and a/b follow from the moments of the profile, which is then fitted again.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::{Factor, MOST_TERMS};
 
-/// Rounds in which origin and a/b are found.
+/// Number of iterations for origin and a/b.
 const ROUNDS: usize = 40;
 
 /// Nodes of the quadrature over μ.
 const NODES: usize = 256;
 
-/// Coefficients below this are rounding.
+/// Coefficients below this are rounding errors.
 const ROUNDING: f64 = 1e-9;
 
 /// The profile of a table.
 pub(super) struct Fitted {
     pub aspect: f64,
     pub factor: Factor,
-    /// The greatest relative distance of a point.
+    /// The largest relative distance of a point.
     pub error: f64,
-    /// The point that has it.
+    /// The point with this distance.
     pub worst: usize,
 }
 
-/// Why there is no profile.
+/// The reason why there is no profile.
 #[derive(Debug)]
 pub(super) enum Unfit {
-    /// Seen from the axis at this z, a point lies behind the one before.
+    /// Seen from the axis at this z, a point lies behind the previous one.
     Hidden { point: usize, origin: f64 },
-    /// The gap before a point is wide: its angle, seen from the origin, in degrees.
+    /// The gap before a point is too wide: its angle, seen from the origin, in degrees.
     Gap { point: usize, angle: f64 },
-    /// The profile that fits best does not close.
+    /// The best-fitting profile does not close.
     Open,
 }
 
@@ -59,7 +59,7 @@ pub(super) fn fit(points: &[[f64; 2]]) -> Result<Fitted, Unfit> {
         }
     }
     let (factor, moments, error, worst) = found.ok_or(Unfit::Open)?;
-    // Profile and ellipsoid have the same volume.
+    // The profile is scaled to the volume of the ellipsoid.
     let size = moments.volume.powf(2.0 / 3.0);
     let clean = |(l, c): (usize, &f64)| if l % 2 == 1 && c.abs() * size < ROUNDING { 0.0 } else { c * size };
     let factor = Factor(factor.0.iter().enumerate().map(clean).collect());
@@ -73,7 +73,7 @@ fn centre(points: &[[f64; 2]]) -> f64 {
         let [[z, r], [to, end]] = [pair[0], pair[1]];
         let part = (z - to) * (r * r + r * end + end * end);
         volume += part;
-        // A frustum's centre lies nearer its wider end.
+        // The centre of a frustum is closer to its wider end.
         let share =
             (r * r + 2.0 * r * end + 3.0 * end * end) / (4.0 * (r * r + r * end + end * end)).max(f64::MIN_POSITIVE);
         moment += part * (z + share * (to - z));
@@ -101,14 +101,14 @@ fn polar(points: &[[f64; 2]], origin: f64, aspect: f64) -> Result<Vec<[f64; 2]>,
     Ok(out)
 }
 
-/// The widest gap between neighbours: half a wave of the shortest polynomials that are always tried.
+/// The widest allowed gap between neighbours: half a wavelength of the shortest polynomials that are always tried.
 const WIDEST_GAP: f64 = PI / 4.0;
 
-/// h of the points (ρ, μ), with the greatest relative distance of a point from the profile and that point.
+/// The fit of h to the points (ρ, μ), with the largest relative distance of a point from the profile, and that point.
 fn least_squares(polar: &[[f64; 2]]) -> Result<(Factor, f64, usize), Unfit> {
     let angles: Vec<f64> = polar.iter().map(|[_, mu]| mu.clamp(-1.0, 1.0).acos()).collect();
     let gap = angles.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-    // Waves shorter than two gaps are not seen.
+    // Waves shorter than two gaps are not resolved.
     let most = MOST_TERMS.min(2 * polar.len() / 3).min((PI / gap) as usize + 1).max(1);
     let columns = columns(polar, most);
     let (basis, triangle) = orthogonal(&columns);
@@ -123,7 +123,7 @@ fn least_squares(polar: &[[f64; 2]]) -> Result<(Factor, f64, usize), Unfit> {
         scores.push(n * sum / (n - projections.len() as f64).powi(2));
     }
     let least = scores.iter().copied().fold(f64::INFINITY, f64::min);
-    // The fewest terms that are as good as the best, up to rounding.
+    // The smallest number of terms that is as good as the best, up to rounding errors.
     let terms = scores.iter().position(|score| *score <= (1.05 * least).max(1e-24)).ok_or(Unfit::Open)? + 1;
     let mut series = projections[..terms].to_vec();
     for l in (0..terms).rev() {
@@ -150,7 +150,7 @@ fn columns(polar: &[[f64; 2]], terms: usize) -> Vec<Vec<f64>> {
     columns
 }
 
-/// Orthonormal directions of the columns, each made orthogonal twice, and the triangle that gives the columns back.
+/// QR factorisation: orthonormal columns, each orthogonalised twice, and the triangular factor.
 fn orthogonal(columns: &[Vec<f64>]) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut basis: Vec<Vec<f64>> = Vec::new();
@@ -177,14 +177,14 @@ fn orthogonal(columns: &[Vec<f64>]) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
 pub(super) struct Moments {
     /// ½ ∫ ρ³ dμ: the volume, divided by 4π/3.
     pub volume: f64,
-    /// z of its centre.
+    /// z of the centre of volume.
     pub centre: f64,
     /// a/b of the ellipsoid with the same second moments.
     pub aspect: f64,
 }
 
 impl Moments {
-    /// By Fejér's rule; `None` where h is not positive everywhere.
+    /// Computes the moments by Fejér's rule; `None` if h is not positive everywhere.
     pub fn of(factor: &Factor) -> Option<Moments> {
         let [mut volume, mut first, mut along, mut across] = [0.0; 4];
         for k in 0..NODES {

@@ -1,13 +1,13 @@
-//! Shells of any profile: r over z as a table, in place of the ellipsoid.
+//! Shells with a profile r over z from a table instead of the ellipsoid.
 //!
-//! With half axes a and b of the ellipsoid of the same volume and the same second moments, Q = z²/a² + r²/b² and
-//! μ = (z/a)/√Q, the wall is where E = Q h(μ) is 1, and the shell's potential is P0 exp\[(E − 1)/w²\] \[M.30 profile\]. h = 1 is
+//! Let a and b be the half-axes of the ellipsoid of the same volume and the same second moments, Q = z²/a² + r²/b² and
+//! μ = (z/a)/√Q. The wall is at E = Q h(μ) = 1, and the shell's potential is P0 exp\[(E − 1)/w²\] \[M.30 profile\]. h = 1 gives
 //! the ellipsoid. h is a sum of Legendre polynomials, fitted to the table, with ½ ∫ h^(−3/2) dμ = 1, so that the volume is 4πab²/3
-//! whatever h is.
+//! for every h.
 //!
 //! | file | contents |
 //! |---|---|
-//! | `choice` | the ellipsoid or the profile of a table, as settings and files choose |
+//! | `choice` | the ellipsoid or the profile of a table, as selected by settings and files |
 //! | `fit` | h, a/b and the origin from a table |
 //! | `file` | tables, and profiles in JSON |
 
@@ -25,26 +25,26 @@ use crate::law::{Algebra, Function};
 
 pub use choice::{ELLIPSOID, ShellChoice, WrittenShell};
 
-/// The most terms of h.
+/// Largest number of terms of h.
 pub const MOST_TERMS: usize = 25;
 
-/// Derivatives of h that [`Factor::derivatives`] gives, h itself included.
+/// Number of derivatives from [`Factor::derivatives`], including h itself.
 const DERIVATIVES: usize = 5;
 
-/// A shell's profile: its shape, without a size.
+/// The profile of a shell, without its size.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "file::Document", into = "file::Document")]
 pub struct ShellProfile {
-    /// Its name, the table's.
+    /// The name of its table.
     name: String,
     /// a/b of the ellipsoid with the same second moments.
     aspect: f64,
-    /// The greatest distance of the table's points from the profile, as a share of their distance from the origin.
+    /// The largest distance of the table's points from the profile, relative to their distance from the origin.
     error: f64,
     factor: Factor,
 }
 
-/// h(μ), the departure of a shell from its ellipsoid.
+/// h(μ), which describes the deviation of a shell from its ellipsoid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factor(Arc<[f64]>);
 
@@ -54,12 +54,12 @@ impl ShellProfile {
         &self.name
     }
 
-    /// Ratio a/b of the half axes of the ellipsoid that has the same second moments.
+    /// Ratio a/b of the half-axes of the ellipsoid with the same second moments.
     pub fn aspect(&self) -> f64 {
         self.aspect
     }
 
-    /// The greatest distance of the table's points from the profile, as a share of their distance from the centre of the volume.
+    /// The largest distance of the table's points from the profile, relative to their distance from the centre of volume.
     pub fn error(&self) -> f64 {
         self.error
     }
@@ -69,12 +69,12 @@ impl ShellProfile {
         &self.factor
     }
 
-    /// Whether it is its own mirror image under z → −z.
+    /// Whether it is symmetric under z → −z.
     pub fn is_mirror_symmetric(&self) -> bool {
         self.factor.0.iter().skip(1).step_by(2).all(|c| *c == 0.0)
     }
 
-    /// The profile seen from the other pole.
+    /// The mirror image of the profile.
     pub fn mirrored(&self) -> ShellProfile {
         let signed = |(l, c): (usize, &f64)| if l % 2 == 0 { *c } else { -c };
         let factor = Factor(self.factor.0.iter().enumerate().map(signed).collect());
@@ -106,7 +106,7 @@ impl Factor {
         for (l, c) in self.0.iter().enumerate() {
             sum.iter_mut().zip(here).for_each(|(sum, p)| *sum += c * p);
             let l = l as f64;
-            // (l + 1) P_{l+1} = (2l + 1) μ P_l − l P_{l−1}, and the same differentiated k times.
+            // (l + 1) P_{l+1} = (2l + 1) μ P_l − l P_{l−1}, and its k-th derivative.
             let next = std::array::from_fn(|k| {
                 let lower = if k == 0 { 0.0 } else { k as f64 * here[k - 1] };
                 ((2.0 * l + 1.0) * (mu * here[k] + lower) - l * before[k]) / (l + 1.0)
@@ -116,17 +116,17 @@ impl Factor {
         sum
     }
 
-    /// h and h′ at μ, in numbers with derivatives up to the third.
+    /// h and h′ at μ, for numbers with derivatives up to the third.
     pub fn at<D: Algebra>(&self, mu: D) -> [D; 2] {
         let [h, first, second, third, fourth] = self.derivatives(mu.real());
-        // The Taylor series about the number itself ends, since the rest carries nothing but derivatives.
+        // The Taylor series about the value is finite, because the remainder contains only derivatives.
         let rest = mu - D::from(mu.real());
         let series = |t: [f64; 4]| t.into_iter().rev().fold(D::from(0.0), |sum, t| sum * rest + D::from(t));
         [series([h, first, 0.5 * second, third / 6.0]), series([first, second, 0.5 * third, fourth / 6.0])]
     }
 
-    /// E = Q h(μ) at a place and half of its gradient; the last of the coordinates is z, and `inverse` are the inverse squares of
-    /// the ellipsoid's half axes.
+    /// E = Q h(μ) at a point, and half of its gradient; the last coordinate is z, and `inverse` are the inverse squares of
+    /// the ellipsoid's half-axes.
     pub fn level<D: Algebra, const K: usize>(&self, place: [D; K], inverse: [D; K]) -> (D, [D; K]) {
         let by: [D; K] = std::array::from_fn(|k| place[k] * inverse[k]);
         let square = (0..K).fold(D::from(0.0), |sum, k| sum + place[k] * by[k]);

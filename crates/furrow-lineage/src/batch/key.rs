@@ -1,4 +1,4 @@
-//! What makes two divisions the same: canonical bytes of the input, hashed.
+//! Identity of divisions: the hash of the canonical bytes of the input.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -12,25 +12,25 @@ use furrow_mechanics::division::DivisionInput;
 
 /// Version of the solver. Stored divisions of another version are not used.
 ///
-/// Raise it with every change of a division's results, to the last bit. The test `solver_version` compares the bits of
-/// a dozen divisions with those stored for this version.
+/// It increases with every change of a division's results, even in the last bit. The test `solver_version` compares the
+/// bits of a dozen divisions with those stored for this version.
 pub const SOLVER_VERSION: u32 = 8;
 
-/// Version of the canonical bytes, padded to the length they have always had: shards of sweeps depend on it.
+/// Version of the canonical bytes, padded to its original length, because shards of sweeps depend on it.
 const LAYOUT: [u8; 12] = [1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
 
-/// Hash of everything a division depends on but the solver.
+/// Hash of everything that affects a division, except the solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Key([u8; 32]);
 
 impl Key {
     /// The key of `input`; round its size first.
     pub fn new(input: &DivisionInput) -> Key {
-        // A new field does not compile until it gets its place here and in the functions below.
+        // The exhaustive pattern is a compile error until a new field is handled here and in the functions below.
         let DivisionInput { cell, numerics, seed } = input;
         let mut bytes = CanonicalBytes(Vec::with_capacity(256));
         bytes.0.extend_from_slice(&LAYOUT);
-        // Short, so that a cell without a cue fits into three blocks of the hash, where look-ups spend their time.
+        // Hashing dominates look-ups, so the text is short: a cell without a cue fits into three blocks of the hash.
         bytes.0.extend_from_slice(b"division\xff");
         bytes.cell(cell);
         bytes.numerics(numerics);
@@ -51,7 +51,7 @@ impl Key {
     }
 }
 
-/// The bytes a key is the hash of: little-endian, with one form for each value.
+/// The bytes that are hashed: little-endian, with a unique form for each value.
 struct CanonicalBytes(Vec<u8>);
 
 impl CanonicalBytes {
@@ -63,7 +63,7 @@ impl CanonicalBytes {
         self.0.extend_from_slice(&number.to_le_bytes());
     }
 
-    /// −0 is written as 0 and every NaN as the same one.
+    /// −0 is written as 0, and every NaN has the same bytes.
     fn reals(&mut self, values: impl IntoIterator<Item = f64>) {
         for value in values {
             let canonical = if value.is_nan() { f64::NAN } else { value + 0.0 };
@@ -88,7 +88,7 @@ impl CanonicalBytes {
         let Shell { aspect, p0, w, flattening } = *shell;
         self.reals([*r0, *epsilon, *xi_s, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, aspect, p0, w]);
         self.choice(usize::from(rigidity_gradient == RigidityGradient::Dropped));
-        // Usual values are not written, so that cells keep the keys they had before there were others; no cue has as many terms as a mark.
+        // Default values are not written, so that older keys remain valid. A mark differs from any number of terms.
         let added =
             [(FLATTENED, flattening, 1.0), (CURLED, spontaneous_curvature, 0.0), (DRAGGED, normal_friction, 0.0)];
         for (mark, value, usual) in added {
@@ -98,11 +98,11 @@ impl CanonicalBytes {
             }
         }
         self.cue(&cell.simplified_cue());
-        // Without a law nothing is written, so that cells with the paper's keep their keys.
+        // Without a law nothing is written, so that keys of cells with the paper's law remain valid.
         if let Some(law) = law {
             self.law(law);
         }
-        // The content of a table alone: its aspect ratio is the shell's.
+        // Only the content of a table is written, because the shell already contains its aspect ratio.
         if let Some(profile) = shell_profile {
             let series = profile.factor().series();
             self.choice(PROFILED);
@@ -111,7 +111,7 @@ impl CanonicalBytes {
         }
     }
 
-    /// Writes a mark that neither a regulator nor a discretisation begins with, then everything but the law's name and units.
+    /// Writes a mark with which neither a regulator nor a discretisation begins, then everything except the law's name and units.
     fn law(&mut self, law: &Law) {
         self.choice(LAW);
         self.choice(usize::from(law.is_reversed()));
@@ -130,9 +130,9 @@ impl CanonicalBytes {
         self.0.extend_from_slice(text.as_bytes());
     }
 
-    /// The terms that do something, in their order: in another order the last digit of their sum may be another.
+    /// The terms with an effect, in their order, since the last digit of their sum may depend on the order.
     fn cue(&mut self, cue: &Cue) {
-        // Every term names its kind, so the number of terms only separates them from the fields that follow.
+        // Every term contains its kind, so the number of terms is needed only to separate them from the following fields.
         self.choice(cue.terms().len());
         for Term { field, profile, amplitude, side } in cue.terms() {
             self.choice(Field::ALL.iter().position(|other| other == field).unwrap_or(Field::ALL.len()));
@@ -143,13 +143,13 @@ impl CanonicalBytes {
                 self.reals([*at, *spread]);
             }
         }
-        // Without a regulator nothing is written, so that cues without one keep their keys.
+        // Without a regulator nothing is written, so that keys of cues without a regulator remain valid.
         if let Some(regulator) = cue.regulator() {
             self.regulator(regulator);
         }
     }
 
-    /// Writes a mark that no discretisation begins with, then every number. Kinds and counts come before the numbers.
+    /// Writes a mark with which no discretisation begins, then every number. Kinds and counts precede the numbers.
     fn regulator(&mut self, regulator: &Regulator) {
         let Regulator { source, turnover, diffusion, diluted, couplings } = regulator;
         self.choice(REGULATOR);
@@ -173,7 +173,7 @@ impl CanonicalBytes {
         self.reals(numbers.into_iter().flatten());
         if let Profile::Par { far, constants, length_um, .. } = profile {
             self.choice(usize::from(*far));
-            // Cells with the published constants keep the keys they had before there were others.
+            // Nothing is written for the published constants, so that earlier keys remain valid.
             if *constants != ParConstants::GOEHRING2011 || length_um.is_some() {
                 let numbers = ParConstant::ALL.into_iter().map(|constant| constants.get(constant));
                 self.choice(usize::from(constants.n_p));
@@ -188,10 +188,10 @@ impl CanonicalBytes {
         let [stages, intervals, surface @ ..] = counts;
         self.count(stages as u64);
         self.count(intervals as u64);
-        // Each scheme has a first step of its own: `dt`, or `first_step`.
+        // The first step depends on the scheme: `dt`, or `first_step`.
         reals[if scheme == Scheme::Published { 1 } else { 0 }] = 0.0;
         self.reals(reals);
-        // Divisions with axial symmetry keep the keys they had before there were others.
+        // Nothing is written for axisymmetric divisions, so that earlier keys remain valid.
         if numerics.modes > 0 {
             self.count(SURFACE_VERSION);
             surface.into_iter().for_each(|number| self.count(number as u64));
@@ -214,19 +214,19 @@ const CURLED: usize = 251;
 /// Marks a shell that is not round.
 const FLATTENED: usize = 252;
 
-/// Marks the side of a term, where the next term's field follows otherwise, or the regulator or the number of stages.
+/// Marks the side of a one-sided term. Otherwise the next term's field, the regulator or the number of stages follows.
 const ONE_SIDED: usize = 253;
 
 /// Marks the beginning of a regulator. Without one the number of stages of the discretisation follows, which is small.
 const REGULATOR: usize = 255;
 
-/// Marks the beginning of a law of the cell's own.
+/// Marks the beginning of the cell's law.
 const LAW: usize = 254;
 
-/// Written in place of a profile for a regulator without a source.
+/// Written instead of a profile for a regulator without a source.
 const NO_SOURCE: usize = 5;
 
-/// Number of a profile in the keys of stored divisions: it stays the same, and a new profile gets the next free one, 6.
+/// Number of a profile in the keys of stored divisions. It must not change; a new profile gets the next free number, 6.
 fn profile_choice(profile: &Profile) -> usize {
     match profile {
         Profile::Band { .. } => 0,
@@ -237,10 +237,10 @@ fn profile_choice(profile: &Profile) -> usize {
     }
 }
 
-/// Everything that a discretisation says: stages, intervals, modes, elements and contact (0 or 1), the scheme, the reals from
+/// All parameters of a discretisation: stages, intervals, modes, elements and contact (0 or 1), the scheme, the reals from
 /// `dt` to `chi_symmetric`.
 pub(super) fn numbers(numerics: &Numerics) -> ([usize; 5], Scheme, [f64; 8]) {
-    // Without `..`: a new field does not compile until it has its place.
+    // There is no `..`, so that a new field is a compile error until it is handled.
     let Numerics {
         stages,
         intervals,
@@ -264,7 +264,7 @@ pub(super) fn numbers(numerics: &Numerics) -> ([usize; 5], Scheme, [f64; 8]) {
 /// A table by key.
 pub(super) type KeyMap<V> = HashMap<Key, V, BuildHasherDefault<PrefixHasher>>;
 
-/// Takes the hash from the key, which is one already.
+/// Uses the key itself as the hash.
 #[derive(Debug, Default)]
 pub(super) struct PrefixHasher(u64);
 
@@ -274,7 +274,7 @@ impl Hasher for PrefixHasher {
     }
 
     fn write(&mut self, bytes: &[u8]) {
-        // `[u8; 32]` writes its length first, then its bytes.
+        // `[u8; 32]` hashes its length first, then its bytes.
         for chunk in bytes.chunks_exact(8).take(1) {
             self.0 = chunk.iter().rev().fold(0, |word, &byte| (word << 8) | u64::from(byte));
         }
@@ -355,7 +355,7 @@ mod tests {
         }
     }
 
-    /// Texts and constants are in the key, the law's name and the units of its constants are not.
+    /// The key contains texts and constants, but not the law's name and the units of its constants.
     #[test]
     fn constants_of_polarity_are_in_the_key_where_they_differ_from_the_published_ones() {
         let key = |text: &str| {
@@ -401,7 +401,7 @@ mod tests {
         variants[1].numerics.intervals += 2;
         variants[2].seed += 1;
         variants[3].cell.material.rigidity_gradient = RigidityGradient::Dropped;
-        // One number as a width in u and in L_h, and for two fields.
+        // The same number as a width in u and in L_h, and for two fields.
         for (k, cue) in [(4, "kappa:u0=0.4,omega=0.1,amplitude=0.2"), (5, "kappa:u0=0.4,omega=0.1Lh,amplitude=0.2")] {
             variants[k].cell.cue = cue.parse().unwrap();
         }
@@ -411,7 +411,7 @@ mod tests {
         keys.sort();
         keys.dedup();
         assert_eq!(keys.len(), 8);
-        // The content of a shell's table, not its name.
+        // The key depends on the content of a shell's table, not on its name.
         let table = |name: &str, wide: f64| {
             let rows = (0..=20).map(|k| {
                 let (sin, cos) = (f64::from(k) * std::f64::consts::PI / 20.0).sin_cos();
@@ -423,7 +423,7 @@ mod tests {
         };
         assert_eq!(table("a", 0.1), table("b", 0.1));
         assert!(table("a", 0.1) != table("a", 0.2) && table("a", 0.1) != Key::new(&base));
-        // Every number of a regulator, what kind of number it is, and whether it has a source.
+        // The key depends on every number of a regulator, its kind, and whether there is a source.
         let cues = [
             "band,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1,kappa=0.2,tension=3,tension.half=2",
             "band,u0=0.41,omega=0.1,amplitude=1,turnover=10,diffusion=1,kappa=0.2,tension=3,tension.half=2",
@@ -452,7 +452,7 @@ mod tests {
         keys.sort();
         keys.dedup();
         assert_eq!(keys.len(), cues.len() + 2);
-        // A cue without effect has the key of no cue, and so has a regulator that acts on no field.
+        // A cue without effect, or a regulator that acts on no field, has the key of no cue.
         assert_eq!(with("regulator:gradient,amplitude=0.5,turnover=10,diffusion=1,kappa=0"), Key::new(&base));
         let idle = Cue::kappa_band(0.465, 0.0577, 0.0);
         let idle = DivisionInput { cell: base.cell.clone().with_cue(idle), ..base.clone() };

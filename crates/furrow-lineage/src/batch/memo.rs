@@ -1,8 +1,8 @@
 //! The memo: no division is solved twice.
 //!
-//! Every division is looked up by its [`Key`]. The first to ask for an unknown key gets a [`Lease`], the duty to solve
-//! it; all others leave the sending end of a channel and go on with other work. Nobody blocks on a key, and no lock of
-//! the table is held while solving, sending or reading the store.
+//! Every division is looked up by its [`Key`]. The first caller that requests an unknown key gets a [`Lease`] and must
+//! solve it; all other callers leave the sending end of a channel and continue with other work. No thread blocks on a
+//! key, and no lock of the table is held while solving, sending or reading the store.
 
 use std::hash::BuildHasherDefault;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -21,7 +21,7 @@ pub trait Solve: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync {}
 
 impl<F: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync> Solve for F {}
 
-/// Divisions solved so far or being solved, shared by any number of runs and threads.
+/// Solved divisions and divisions in progress, shared by any number of runs and threads.
 #[derive(Debug)]
 pub struct Memo {
     quantisation: Quantisation,
@@ -32,7 +32,7 @@ pub struct Memo {
 #[derive(Debug)]
 enum Slot {
     Solved(Arc<Division>),
-    /// Being solved; these get the [`Event`].
+    /// In progress; these senders get the [`Event`].
     InFlight(Vec<Sender<Event>>),
 }
 
@@ -46,10 +46,10 @@ pub enum Event {
     Prepared(usize),
 }
 
-/// What became of a key that was in flight.
+/// The result for a key that was in progress.
 #[derive(Clone, Debug)]
 pub enum Completion {
-    /// Solved just now, or read from the store: another process solved it meanwhile.
+    /// Solved now, or read from the store because another process has solved it meanwhile.
     Known {
         /// The division.
         division: Arc<Division>,
@@ -58,11 +58,11 @@ pub enum Completion {
     },
     /// Could not be solved.
     Failed(Failure),
-    /// The lease was dropped; ask again.
+    /// The lease was dropped; the key must be requested again.
     Abandoned,
 }
 
-/// Why a division is not known.
+/// The reason why a division is unknown.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Failure {
@@ -81,19 +81,19 @@ pub enum Request<'m> {
     Known {
         /// The division.
         division: Arc<Division>,
-        /// Whether it came from the store just now.
+        /// Whether this request read it from the store.
         stored: bool,
     },
-    /// Being solved by another; an [`Event`] will come.
+    /// Another caller is solving it; an [`Event`] will be sent.
     Pending,
-    /// The caller is to solve it. An [`Event`] comes to the caller as well.
+    /// The caller must solve it. The caller gets an [`Event`] too.
     Leased(Lease<'m>),
 }
 
 impl Memo {
     /// An empty memo, in memory only.
     pub fn new(quantisation: Quantisation) -> Memo {
-        // The default number of shards asks the system for its cores, which takes longer than a look-up.
+        // The default number of shards requires a system call for the number of cores, which takes longer than a look-up.
         let table = DashMap::with_hasher_and_shard_amount(BuildHasherDefault::default(), 16);
         Memo { quantisation, table, store: None }
     }
@@ -113,13 +113,13 @@ impl Memo {
         self.quantisation
     }
 
-    /// The division that is solved in place of `input`: its radius rounded.
+    /// The input that is solved instead of `input`, with a rounded radius.
     pub fn canonical(&self, input: &DivisionInput) -> DivisionInput {
         let cell = Cell { r0: self.quantisation.apply(input.cell.r0), ..input.cell.clone() };
         DivisionInput { cell, ..*input }
     }
 
-    /// The division if the memo or its store knows it, without solving.
+    /// The division, if it is in the memo or its store; nothing is solved.
     ///
     /// ```
     /// use furrow_lineage::batch::{Memo, Quantisation};
@@ -137,7 +137,7 @@ impl Memo {
         Some(division.as_ref().clone().with_daughters_scaled(input.cell.r0 / canonical.cell.r0))
     }
 
-    /// Divisions known.
+    /// The number of known divisions.
     pub fn len(&self) -> usize {
         self.table.iter().filter(|slot| slot.solved().is_some()).count()
     }
@@ -147,7 +147,7 @@ impl Memo {
         self.len() == 0
     }
 
-    /// Asks for a division. Unless it is known, `waiter` gets one [`Event`].
+    /// Requests a division. If it is unknown, `waiter` gets one [`Event`].
     pub fn request(&self, key: Key, waiter: &Sender<Event>) -> Request<'_> {
         let stored = if self.table.contains_key(&key) { None } else { self.stored(&key) };
         match (self.table.entry(key), stored) {
@@ -169,10 +169,10 @@ impl Memo {
         }
     }
 
-    /// The division of `input`: the one that is known, or else it is solved here and kept.
+    /// The division of `input`. If it is unknown, it is solved here and stored.
     ///
-    /// Another thread may be solving the same division. This one then solves it too rather than wait, so that a worker of a pool is
-    /// never blocked; both have the same result.
+    /// If another thread is solving the same division, this thread solves it too instead of waiting, so that a worker of a pool is
+    /// never blocked; both results are the same.
     ///
     /// # Errors
     /// [`Failure`].
@@ -212,7 +212,8 @@ impl Slot {
     }
 }
 
-/// The duty to solve one division, held by exactly one at a time. Dropped unused, it lets the waiters ask again.
+/// The obligation to solve one division, held by exactly one caller at a time. If it is dropped unused, the waiters can request
+/// the key again.
 #[derive(Debug)]
 pub struct Lease<'m> {
     memo: &'m Memo,
@@ -226,12 +227,12 @@ impl Lease<'_> {
         self.key
     }
 
-    /// Solves `input` unless another process has done so meanwhile, stores the result, and tells the waiters.
+    /// Solves `input` unless another process has done so meanwhile, stores the result, and notifies the waiters.
     pub fn solve(mut self, input: &DivisionInput, solve: impl Solve) {
         self.open = false;
         let completion = match self.memo.stored(&self.key) {
             Some(division) => Completion::Known { division, stored: true },
-            // A panic must not take the pool, and with it the process, down: the divisions of other workers would be lost.
+            // A panic must not end the pool and the process, since the divisions of other workers would be lost.
             None => match catch_unwind(AssertUnwindSafe(|| solve(input))) {
                 Ok(Ok(division)) => {
                     if let Some(store) = &self.memo.store {
@@ -246,7 +247,7 @@ impl Lease<'_> {
         self.complete(completion);
     }
 
-    /// Replaces the slot in flight and notifies the waiters. Failures are not remembered.
+    /// Replaces the slot in progress and notifies the waiters. Failures are not stored.
     fn complete(&self, completion: Completion) {
         let before = match &completion {
             Completion::Known { division, .. } => self.memo.table.insert(self.key, Slot::Solved(Arc::clone(division))),
@@ -254,7 +255,7 @@ impl Lease<'_> {
         };
         let Some(Slot::InFlight(waiters)) = before else { return };
         for waiter in waiters {
-            // The waiter may be gone.
+            // The waiter may no longer exist.
             let _ = waiter.send(Event::Completed { key: self.key, completion: completion.clone() });
         }
     }
@@ -294,7 +295,7 @@ mod tests {
         let first = memo.solve(&fake::input(2.0), solve).unwrap();
         let beside = memo.solve(&fake::input(2.001), solve).unwrap();
         assert_eq!((count.load(Ordering::Relaxed), memo.len(), first.chi()), (1, 1, beside.chi()));
-        // Daughters have the volume of the mother that was asked for.
+        // The daughters' volumes add up to the volume of the requested mother, not of the rounded one.
         let volume = |division: &furrow_mechanics::division::Division| -> f64 {
             division.daughters().unwrap().iter().map(|r0| r0.powi(3)).sum()
         };

@@ -1,9 +1,9 @@
-//! Many divisions, each solved once. Known divisions are looked up; the others are solved on all cores and kept for the next run
-//! and for other processes.
+//! Many divisions, each solved once. Known divisions are looked up; the others are solved on all cores and stored for later
+//! runs and other processes.
 //!
-//! [`scheduler::run`] asks the [`Memo`] for every division and solves unknown ones. The memo asks the [`Store`],
-//! which shares a file with other processes. [`mod@replicates`], [`mod@perturbations`] and [`phase`] solve many divisions for
-//! one question.
+//! [`scheduler::run`] requests every division from the [`Memo`] and solves unknown ones. The memo uses the [`Store`],
+//! a file shared with other processes. [`mod@replicates`], [`mod@perturbations`] and [`phase`] solve many related
+//! divisions.
 
 pub mod key;
 pub mod memo;

@@ -1,4 +1,4 @@
-//! One stationary shape disturbed several times, with noise of different seeds.
+//! Disturbances of one stationary shape by noise of several seeds.
 
 use super::scheduler::{self, Result};
 use furrow_mechanics::division::{DivisionInput, DivisionOptions};
@@ -10,15 +10,15 @@ use furrow_mechanics::perturbation::{Perturbation, PerturbationError, perturb};
 pub struct Disturbed {
     /// The seed of the noise.
     pub seed: u64,
-    /// What became of it, or why that could not be computed.
+    /// Its evolution, or the reason why this could not be computed.
     pub found: Result<Perturbation, PerturbationError>,
 }
 
-/// Disturbances with the seeds from `input.seed` on, on `threads` threads; 0 is one thread per core. They are not stored, as each
-/// is a whole curve.
+/// Disturbances with consecutive seeds from `input.seed`, on `threads` threads; 0 is one thread per core. They are not stored,
+/// because each result is a curve.
 ///
 /// # Errors
-/// No workers can be started; that there is no stationary shape, is the answer of every seed.
+/// No workers can be started. The absence of a stationary shape is not an error here but the result of every seed.
 pub fn perturbations(input: &DivisionInput, count: usize, until: f64, threads: usize) -> Result<Vec<Disturbed>> {
     let start = stationary(&input.cell, &input.numerics);
     let one = |k: usize| {

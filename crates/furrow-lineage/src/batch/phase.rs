@@ -1,7 +1,8 @@
 //! Phase diagrams: outcomes over one parameter of a cell and its activity.
 //!
-//! Where the primary branch has a stable shape the cell stays at rest. Its exact folds and pitchforks give this region,
-//! column by column; without axial symmetry the bent states do, up to their first pitchfork or fold. Elsewhere divisions are computed.
+//! Where the primary branch has a stable shape the cell stays at rest. The exact folds and pitchforks of the branch bound this
+//! region in each column; without axial symmetry the first pitchfork or fold of the bent states does. Elsewhere divisions are
+//! computed.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -18,7 +19,7 @@ use furrow_mechanics::equilibria::error::ShapeError;
 /// A grid over one parameter of a cell and its activity.
 ///
 /// # Examples
-/// Outcomes of three sizes at the activity that cells have: at rest, unequal, equal.
+/// Outcomes for three sizes at the default activity: rest, unequal, equal.
 ///
 /// ```
 /// use furrow_lineage::batch::phase::PhaseOutcome::{Asymmetric, Failed, Symmetric};
@@ -48,7 +49,7 @@ pub struct PhasePlane {
     pub seed: u64,
 }
 
-/// What becomes of a cell at a point of the plane.
+/// The outcome of a cell at a point of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -63,13 +64,13 @@ pub enum PhaseOutcome {
     Undecided,
 }
 
-/// How it is known.
+/// The evidence for an outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Evidence {
     /// A stable shape exists.
     Curves,
-    /// A division was solved in time.
+    /// A division was computed.
     Division,
 }
 
@@ -80,11 +81,11 @@ pub struct PhaseCell {
     pub x: f64,
     /// Activity ξ_s.
     pub xi_s: f64,
-    /// What becomes of the cell.
+    /// The outcome of the cell.
     pub outcome: PhaseOutcome,
     /// χ of its division.
     pub chi: Option<f64>,
-    /// The evidence for it.
+    /// The evidence for the outcome.
     pub by: Evidence,
 }
 
@@ -97,7 +98,7 @@ pub struct Column {
     pub at_rest: Vec<[f64; 2]>,
     /// Folds and pitchforks along the branch.
     pub edges: Vec<Edge>,
-    /// Why the branch could not be followed, if it could not; the whole column is then left to divisions.
+    /// The reason if the branch could not be followed; divisions are then computed for the whole column.
     #[serde(skip)]
     pub error: Option<ShapeError>,
 }
@@ -105,20 +106,20 @@ pub struct Column {
 /// A phase diagram.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhaseDiagram {
-    /// Points, column by column, each from the first ξ_s to the last.
+    /// Points, column by column, from the first ξ_s to the last in each.
     pub cells: Vec<PhaseCell>,
     /// Edges by column.
     pub columns: Vec<Column>,
-    /// Why divisions are undecided, and how many, if any are.
+    /// The reasons why divisions are undecided, and their number, if there are any.
     pub undecided: Option<(Failure, usize)>,
-    /// What solving the divisions took.
+    /// The summary of the work for the divisions.
     pub summary: Summary,
 }
 
 /// Called with the number of finished columns and the number of all columns.
 pub(crate) type ColumnsShown<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
-/// Evenly spaced values, both ends included; the first alone if there is one.
+/// Evenly spaced values, including both ends; only the first if `points` is 1.
 pub fn spaced(from: f64, to: f64, points: usize) -> Vec<f64> {
     let last = (points.max(2) - 1) as f64;
     (0..points).map(|k| if k + 1 == points && k > 0 { to } else { from + (to - from) * k as f64 / last }).collect()
@@ -133,7 +134,7 @@ impl PhasePlane {
 
     /// The stable shapes of every column, on all cores.
     fn columns(&self, threads: usize, shown: ColumnsShown<'_>) -> Result<Vec<Column>, SchedulerError> {
-        // A little beyond the diagram, so that its upper rim is inside.
+        // The search extends slightly beyond the diagram so that its upper edge is included.
         let xi_max = 1.01 * self.up.iter().copied().fold(0.0, f64::max) + 0.1;
         let done = AtomicUsize::new(0);
         let column = |&x: &f64| {
@@ -151,13 +152,13 @@ impl PhasePlane {
     ///
     /// # Errors
     /// [`SchedulerError`] if no workers can be started. A division that cannot be computed is counted in
-    /// [`PhaseDiagram::undecided`], and [`Summary::interrupted`] tells whether the run was stopped.
+    /// [`PhaseDiagram::undecided`], and [`Summary::interrupted`] is set if the run was stopped.
     pub fn compute(&self, memo: &Memo, options: &SchedulerOptions<'_>) -> Result<PhaseDiagram, SchedulerError> {
         self.compute_shown(memo, options, &|_, _| ())
     }
 
-    /// The same, and calls `shown` with the number of columns of known shapes, which are found before the divisions, and the
-    /// number of all columns.
+    /// The same, with a callback. Stationary shapes are computed before the divisions, column by column; `shown` gets the number of
+    /// finished columns and the number of all columns.
     ///
     /// # Errors
     /// As [`compute`](PhasePlane::compute).

@@ -1,8 +1,8 @@
-//! Rounding of sizes, so that sizes that differ by a rounding error become equal.
+//! Rounding of sizes, which makes sizes equal that differ only by rounding errors.
 
-/// How sizes are rounded before a task is looked up or solved: to a number of binary digits.
+/// Rounding of sizes to a number of binary digits, applied before a task is looked up or solved.
 ///
-/// Sizes that two tasks reach by different roundings then share one record. Rounding to binary digits is exact and
+/// Tasks with sizes that differ only by rounding errors then share one record. Rounding to binary digits is exact and
 /// idempotent. It needs no logarithm, which could differ between machines in its last digit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quantisation {
@@ -14,8 +14,8 @@ impl Quantisation {
     /// No rounding.
     pub const EXACT: Quantisation = Quantisation { digits: 52 };
 
-    /// The default relative step, 2⁻³⁰ ≈ 9.3·10⁻¹⁰: far above rounding errors. It is invisible in a record
-    /// unless the record's relative slope over the size exceeds a million.
+    /// The default relative step, 2⁻³⁰ ≈ 9.3·10⁻¹⁰, is far above rounding errors. It has no visible effect on a
+    /// result unless its relative slope over the size exceeds a million.
     pub const DEFAULT: Quantisation = Quantisation { digits: 30 };
 
     /// The coarsest quantisation with a relative step of at most `step`; 0 is exact.
@@ -30,12 +30,12 @@ impl Quantisation {
         Ok(Quantisation { digits })
     }
 
-    /// Spacing of the rounded sizes relative to the size, at most; 0 if exact.
+    /// Upper bound of the spacing of rounded sizes relative to the size; 0 if exact.
     pub fn relative_step(self) -> f64 {
         if self.digits >= 52 { 0.0 } else { f64::from_bits((1023 - u64::from(self.digits)) << 52) }
     }
 
-    /// The rounded size: the nearest one on the grid, ties to even. Relative shift at most half the step.
+    /// The rounded size: the nearest one on the grid, ties to even. The relative shift is at most half the step.
     pub fn apply(self, size: f64) -> f64 {
         if self.digits >= 52 || !size.is_normal() {
             return size;

@@ -1,4 +1,4 @@
-//! One cell divided several times, with noise of different seeds.
+//! Divisions of one cell with noise of several seeds.
 
 use super::memo::{Memo, Solve};
 use super::scheduler::{self, SchedulerError, SchedulerOptions, Solved, Summary, Unsolved};
@@ -8,19 +8,19 @@ use furrow_mechanics::division::{Division, DivisionInput};
 /// Divisions of one cell with noise of several seeds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Replicates {
-    /// Seeds and divisions, in the order of the seeds. If they and the undecided are fewer than asked for, the run was
+    /// Seeds and divisions, in the order of the seeds. If they and the undecided ones are fewer than requested, the run was
     /// interrupted.
     pub divisions: Vec<(u64, Division)>,
-    /// Those that could not be computed; their `id`s count from the first seed.
+    /// Divisions that could not be computed; their `id`s count from the first seed.
     pub undecided: Vec<Unsolved>,
-    /// What solving them took.
+    /// The summary of the work.
     pub summary: Summary,
 }
 
-/// Divisions of one cell with the seeds from `input.seed` on, each as soon as a worker is free.
+/// Divisions of one cell with consecutive seeds from `input.seed`, each started as soon as a worker is free.
 ///
 /// # Examples
-/// Noise decides on which side the smaller daughter is. It has little effect on her size:
+/// Noise determines the side of the smaller daughter. It has little effect on her size:
 ///
 /// ```
 /// use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, replicates};
@@ -44,7 +44,7 @@ pub fn replicates(
     replicates_by(solve, input, count, memo, options)
 }
 
-/// The same by a solver that may keep more than the divisions, such as their shapes. It is not called for divisions that the memo knows.
+/// The same with a solver that may keep more than the divisions, such as their shapes. It is not called for divisions in the memo.
 ///
 /// # Errors
 /// [`SchedulerError`] if no workers can be started.

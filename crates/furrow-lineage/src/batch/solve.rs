@@ -1,4 +1,4 @@
-//! One division, and critical radii, by the solver that the numerics choose.
+//! One division, and critical radii, by the solver that the numerics select.
 
 use super::store::Store;
 use furrow_cell::{Cell, Numerics};
@@ -13,7 +13,7 @@ use {furrow_surface::bent_curves::WITHOUT_AXIS, furrow_surface::film::Film, std:
 #[cfg(target_family = "wasm")]
 const WITHOUT_AXIS: Method = AXISYMMETRIC;
 
-/// One division, with axial symmetry or, if the numerics have azimuthal modes, without.
+/// One division, with axial symmetry, or without if the numerics have azimuthal modes.
 ///
 /// # Errors
 /// [`DivisionError`].
@@ -36,12 +36,12 @@ use furrow_surface::bent_curves::resting_bent;
 #[cfg(target_family = "wasm")]
 use furrow_mechanics::equilibria::at_rest::rest_shapes as resting_bent;
 
-/// How critical radii are computed, with axial symmetry or without.
+/// The function that computes critical radii, with or without axial symmetry.
 pub fn method(numerics: &Numerics) -> Method {
     if numerics.modes == 0 { AXISYMMETRIC } else { WITHOUT_AXIS }
 }
 
-/// Critical radii, with axial symmetry or without; a store keeps them for later runs.
+/// Critical radii, with or without axial symmetry; a store keeps them for later runs.
 pub fn critical_radii<'a>(numerics: &Numerics, store: Option<&'a Store>) -> CriticalRadii<'a> {
     let radii = match numerics.modes {
         0 => CriticalRadii::new(numerics),
@@ -84,7 +84,7 @@ impl Filming {
         Ok(division)
     }
 
-    /// The kept shapes; `None` if the division was not solved, as where the memo knows it.
+    /// The kept shapes; `None` if the division was not solved, for example because it was in the memo.
     pub fn into_film(self) -> Option<Film> {
         self.film.into_inner()
     }

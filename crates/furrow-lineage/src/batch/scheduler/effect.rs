@@ -17,7 +17,7 @@ struct Sample {
 }
 
 impl Responses {
-    /// Notes χ of a canonical input's division.
+    /// Records χ of the division of a canonical input.
     pub fn note(&mut self, key: Key, canonical: &DivisionInput, division: &Division) {
         let Some(chi) = division.chi() else { return };
         self.0.entry(key).or_insert_with(|| {

@@ -1,8 +1,8 @@
-//! Solves divisions, and those that follow from them, on all cores: the most expected work first.
+//! Solves divisions and the divisions that follow from them on all cores; those with the most expected work come first.
 //!
-//! One coordinating thread, the caller's, knows what follows from what; a rayon pool of [`SchedulerOptions::threads`]
-//! workers solves. A division that is known costs a look-up and never sees the pool. One that is being solved, by this
-//! run or another, waits as an entry in a list; no thread waits for it.
+//! The caller's thread coordinates the dependencies; a rayon pool of [`SchedulerOptions::threads`] workers solves the
+//! divisions. A known division costs only a look-up on the coordinating thread. A division in progress, in this run or
+//! another, is an entry in a list of waiting jobs; no thread blocks on it.
 
 mod effect;
 mod run;
@@ -31,26 +31,26 @@ pub struct Job {
 pub(crate) type Work<'s> = Box<dyn FnOnce() + Send + 's>;
 
 /// The next step of a run.
-// Few steps exist at a time; boxing would cost an allocation for each division.
+// Few steps exist at a time, and boxing would require an allocation for each division.
 #[allow(clippy::large_enum_variant)]
 pub(crate) enum Step<'s, S = Job> {
     /// Solves a division.
     Solve(S),
-    /// Does some work on a worker, then asks what follows from the job of that number.
+    /// Does some work on a worker, then requests the jobs that follow from the job of that number.
     Prepare(usize, Work<'s>),
 }
 
-/// How to run.
+/// Options of a run.
 #[derive(Clone, Copy)]
 pub struct SchedulerOptions<'a> {
     /// Divisions solved at once; 0 is one for each core.
     pub threads: usize,
-    /// Set to true (by Ctrl-C, say) to stop: divisions being solved are finished and kept, no other is begun.
+    /// Set to true (for example by Ctrl-C) to stop: divisions in progress are finished and kept, and no others are started.
     pub interrupt: Option<&'a AtomicBool>,
-    /// Called at every change in the number of divisions solved or running, and now and then at memo hits.
+    /// Called at every change of the number of solved or running divisions, and occasionally at memo hits.
     pub progress: Option<&'a dyn Fn(Progress)>,
-    /// Expected work of a division and of the divisions that wait for it, in any unit; the largest is begun first. By default the radius.
-    /// Affects the order of work and so its duration, never a result.
+    /// Expected work of a division and of the divisions that wait for it, in any unit; the largest is started first. The default is
+    /// the radius. It affects the order and thus the duration of the work, but not the results.
     pub expected_work: &'a dyn Fn(&DivisionInput) -> f64,
 }
 
@@ -60,7 +60,7 @@ impl Default for SchedulerOptions<'_> {
     }
 }
 
-/// How far a run is.
+/// The progress of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
     /// Divisions solved by this run.
@@ -69,7 +69,7 @@ pub struct Progress {
     pub running: usize,
     /// Divisions waiting for a worker.
     pub queued: usize,
-    /// Jobs with a division that was already known, or solved for another job.
+    /// Jobs for which the division was already known, or was solved for another job.
     pub memo_hits: usize,
 }
 
@@ -80,20 +80,20 @@ pub struct Summary {
     pub jobs: usize,
     /// Divisions solved by this run.
     pub solved: usize,
-    /// Jobs with a division that was already known, or solved for another job.
+    /// Jobs for which the division was already known, or was solved for another job.
     pub memo_hits: usize,
     /// Distinct divisions of this run that came from the store.
     pub store_hits: usize,
-    /// Damaged entries of the store that this run met and solved again.
+    /// Damaged entries of the store that this run found and solved again.
     pub corrupt: usize,
-    /// Whether the run was stopped before all was done.
+    /// Whether the run was stopped before all jobs were done.
     pub interrupted: bool,
     /// Largest relative shift of a radius by rounding.
     pub max_size_shift: f64,
-    /// Estimated effect of that shift on χ: the steepest slope of χ over ln R0, between neighbouring radii of this run with
-    /// otherwise equal inputs, times the largest shift.
+    /// Estimated effect of that shift on χ: the largest shift times the steepest slope of χ over ln R0 between neighbouring radii
+    /// of this run with otherwise equal inputs.
     pub shift_effect: f64,
-    /// Jobs with a division that has a [second neck](Division::second_neck).
+    /// Jobs with a [second neck](Division::second_neck) in their division.
     pub three_parts: usize,
     /// Warnings for the user, for example about a store that could not be written.
     pub warnings: Vec<StoreWarning>,
@@ -134,7 +134,7 @@ pub struct Unsolved {
     pub id: usize,
     /// Its radius, not rounded.
     pub r0: f64,
-    /// What went wrong.
+    /// The reason.
     pub failure: Failure,
 }
 
@@ -144,17 +144,17 @@ fn unsolved_text(jobs: &[Unsolved]) -> String {
     format!("division {id} (R0 = {}): {failure}{}", rounded_number(*r0, 7), further(others.len()))
 }
 
-/// What runs give.
+/// The result of a run.
 pub type Result<T, E = SchedulerError> = std::result::Result<T, E>;
 
-/// Why a run is not complete.
+/// The reason why a run is incomplete.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SchedulerError {
-    /// Divisions could not be solved. All others were, and are kept.
+    /// Some divisions could not be solved. All others were solved and are stored.
     #[error("{}", unsolved_text(.jobs))]
     Unsolved {
-        /// The jobs without a division, the largest first; what would have followed from them is not counted. One or more.
+        /// The jobs without a division (at least one), the largest first; jobs that would have followed from them are not counted.
         jobs: Vec<Unsolved>,
         /// The summary of the run.
         summary: Box<Summary>,
@@ -162,7 +162,7 @@ pub enum SchedulerError {
     /// The workers could not be started.
     #[error("cannot start {threads} worker threads: {reason}")]
     Pool {
-        /// Threads asked for.
+        /// The requested number of threads.
         threads: usize,
         /// The system's error message.
         reason: String,
@@ -171,9 +171,9 @@ pub enum SchedulerError {
 
 /// Solves `jobs` and all jobs that follow from them, each distinct division once. `expand` returns the jobs that follow from one.
 ///
-/// `solve` is called on the workers with rounded radii; `expand` on the calling thread with the job's
+/// `solve` is called on the workers with rounded radii; `expand` is called on the calling thread with the job's
 /// number and its division, scaled to the job's own radius. The order in which jobs are expanded depends on timing; the
-/// whole is the same every time if what `expand` returns depends on its arguments alone.
+/// result does not, provided that `expand` depends only on its arguments.
 ///
 /// An interrupted run returns its summary so far, with [`Summary::interrupted`] set.
 ///
@@ -193,7 +193,7 @@ pub fn run(
     run_steps(steps(jobs), memo, options, solve, &mut expand)
 }
 
-/// As [`run`], with work on the workers before some jobs: where a [`Step::Prepare`] is done, `expand` is called without a
+/// As [`run`], but some jobs require preparation on a worker: after a [`Step::Prepare`], `expand` is called without a
 /// division.
 ///
 /// # Errors
@@ -210,15 +210,15 @@ pub(crate) fn run_steps<'s>(
     let perform = |task: Step<'_, Assignment<'_>>| match task {
         Step::Solve(assignment) => assignment.lease.solve(&assignment.input, &solve),
         Step::Prepare(id, work) => {
-            // A panic must not leave the run waiting. What was not prepared is left to a division.
+            // A panic must not block the run. If the preparation failed, the division is computed.
             let _ = catch_unwind(AssertUnwindSafe(work));
             let _ = sender.send(Event::Prepared(id));
         }
     };
     // Threads are needed only if a division must be solved.
     run.settle_known();
-    // A caller that is itself a worker, as in studies of many trees, must not wait for a pool of its own: it would begin another
-    // tree while it waits, and so on until its stack is full. The page has no threads.
+    // A caller that is itself a worker, as in studies of many trees, must not wait for a separate pool: while waiting it would start
+    // another tree, and so on until its stack overflows. The page has no threads.
     let alone = cfg!(target_family = "wasm") || options.threads == 1 && rayon::current_thread_index().is_some();
     if run.is_incomplete() && alone {
         run.work(&events, 1, perform);
@@ -235,9 +235,9 @@ pub(crate) fn run_steps<'s>(
 /// Independent divisions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solved {
-    /// One for each input; `None` if it failed or the run was interrupted.
+    /// One result per input; `None` if it failed or the run was interrupted.
     pub divisions: Vec<Option<Division>>,
-    /// Unsolved divisions, by the place of their input.
+    /// Unsolved divisions, by the index of their input.
     pub unsolved: Vec<Unsolved>,
     /// The summary of the run.
     pub summary: Summary,
@@ -272,13 +272,13 @@ pub(crate) fn parts(run: Result<Summary>) -> Result<(Summary, Vec<Unsolved>)> {
     }
 }
 
-/// How many workers a number of threads asks for: 0 is one for each core.
+/// The number of workers for a requested number of threads; 0 is one per core.
 pub fn workers(threads: usize) -> usize {
     if threads > 0 { threads } else { std::thread::available_parallelism().map_or(1, usize::from) }
 }
 
-/// Bounds the threads for curves, spectra and other work outside a pool of workers, for the rest of the process. It has no effect
-/// after such work.
+/// Limits the threads for curves, spectra and other work outside a pool of workers, for the rest of the process. It has no effect
+/// once such work has started.
 pub fn bound_threads(threads: usize) {
     // Only a second call fails.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();

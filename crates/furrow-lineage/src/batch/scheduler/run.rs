@@ -1,4 +1,4 @@
-//! One run: its jobs that have arrived, wait or are being solved, and their results.
+//! One run: its new jobs, waiting jobs and jobs in progress, and their results.
 
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, VecDeque};
@@ -11,15 +11,15 @@ use crate::batch::key::{Key, KeyMap};
 use crate::batch::memo::{Completion, Event, Failure, Lease, Memo, Request};
 use furrow_mechanics::division::{Division, DivisionInput};
 
-/// How late an interrupt may be noticed.
+/// Largest delay in noticing an interrupt.
 const TICK: Duration = Duration::from_millis(20);
 
 /// The jobs that wait for one key.
 #[derive(Default)]
 struct Awaited {
-    /// Whether one of this run's workers is at it.
+    /// Whether one of this run's workers is solving it.
     running: bool,
-    /// With their inputs before rounding.
+    /// The jobs, with their inputs before rounding.
     jobs: Vec<Job>,
 }
 
@@ -28,9 +28,9 @@ pub struct Assignment<'m> {
     work: f64,
     /// Number in the order of arrival.
     age: usize,
-    /// Its input, the radius rounded.
+    /// Its input, with a rounded radius.
     pub input: DivisionInput,
-    /// The duty to solve it.
+    /// The lease for solving it.
     pub lease: Lease<'m>,
 }
 
@@ -57,7 +57,7 @@ impl PartialEq for Assignment<'_> {
 
 impl Eq for Assignment<'_> {}
 
-/// What follows from a job's division, or from its preparation.
+/// The jobs that follow from a job's division, or from its preparation.
 type Expand<'a, 's> = &'a mut dyn FnMut(usize, Option<&Division>) -> Vec<Step<'s>>;
 
 pub struct Run<'a, 'm, 's> {
@@ -68,12 +68,12 @@ pub struct Run<'a, 'm, 's> {
     arrived: VecDeque<Job>,
     /// Preparations that wait for a worker.
     preparations: VecDeque<(usize, Work<'s>)>,
-    /// How many workers prepare.
+    /// The number of workers busy with preparations.
     preparing: usize,
     /// Divisions that wait for a worker.
     ready: BinaryHeap<Assignment<'m>>,
     waiting: KeyMap<Awaited>,
-    /// Failures of this run: a second job with the same input is not tried again.
+    /// Failures of this run, so that a second job with the same input is not tried again.
     failed: KeyMap<Failure>,
     responses: Responses,
     running: usize,
@@ -125,14 +125,14 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
         self.options.interrupt.is_some_and(|flag| flag.load(Relaxed))
     }
 
-    /// Whether jobs are left that no worker of this run is at.
+    /// Whether jobs remain on which no worker of this run is busy.
     pub fn is_incomplete(&self) -> bool {
         !self.arrived.is_empty()
             || self.preparing + self.preparations.len() > 0
             || self.waiting.values().any(|awaited| !awaited.running)
     }
 
-    /// Until nothing is left: looks up, hands divisions to workers with `spawn`, and takes in what comes back.
+    /// Until no job remains: looks up divisions, passes unknown ones to workers with `spawn`, and receives the results.
     pub fn work(&mut self, events: &Receiver<Event>, threads: usize, mut spawn: impl FnMut(Step<'s, Assignment<'m>>)) {
         loop {
             self.settle_known();
@@ -161,14 +161,14 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
             match events.try_recv().or_else(|_| events.recv_timeout(TICK)) {
                 Ok(event) => self.take_in(event),
                 Err(RecvTimeoutError::Timeout) => {}
-                // Cannot be, as `self` holds a sender.
+                // This cannot happen, because `self` holds a sender.
                 Err(RecvTimeoutError::Disconnected) => return,
             }
             events.try_iter().for_each(|event| self.take_in(event));
         }
     }
 
-    /// Gives up all that no worker is at. The dropped leases let other runs on the same memo take these divisions over.
+    /// Abandons all jobs on which no worker is busy. The dropped leases let other runs on the same memo take over these divisions.
     fn release(&mut self) {
         self.summary.interrupted |= self.is_incomplete();
         self.arrived.clear();
@@ -177,7 +177,7 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
         self.waiting.retain(|_, awaited| awaited.running);
     }
 
-    /// Looks up every job that has arrived, and jobs that follow from the known ones, until only waiting jobs are left.
+    /// Looks up every new job, and the jobs that follow from known ones, until only waiting jobs remain.
     pub fn settle_known(&mut self) {
         while !self.interrupted()
             && let Some(job) = self.arrived.pop_front()
@@ -222,7 +222,7 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
                 return self.arrive(steps);
             }
         };
-        // Nothing waits if an interrupt has released it.
+        // There are no waiting jobs if an interrupt has released them.
         let Some(Awaited { running, jobs }) = self.waiting.remove(&key) else { return };
         if running {
             self.running -= 1;

@@ -1,4 +1,4 @@
-//! Inspecting, mending and emptying the database of a cache folder.
+//! Inspecting, repairing and clearing the database of a cache folder.
 
 use std::path::{Path, PathBuf};
 
@@ -17,19 +17,19 @@ use crate::batch::SOLVER_VERSION;
 pub struct CacheReport {
     /// The cache folder.
     pub folder: PathBuf,
-    /// Whole entries that this version of furrow uses.
+    /// Valid entries that this version of furrow uses.
     pub entries: usize,
-    /// Whole entries of other versions of the solver; kept, not used.
+    /// Valid entries of other versions of the solver, which are kept but not used.
     pub other_versions: usize,
     /// Size of the database and its log, in bytes.
     pub bytes: u64,
-    /// Damaged entries, and other damage to the file.
+    /// Descriptions of damaged entries and of other damage to the file.
     pub corrupt: usize,
-    /// Damaged entries.
+    /// Number of damaged entries.
     pub damaged: Vec<String>,
 }
 
-/// A report, and the whole rows it counts.
+/// A report, and the valid rows that it counts.
 type Contents = (CacheReport, Vec<Vec<Value>>);
 
 /// Checks every entry of a cache folder. A folder that does not exist counts as empty.
@@ -40,7 +40,7 @@ pub fn verify(cache: &Path) -> Result<CacheReport, StoreError> {
     contents(cache).map(|(report, _)| report)
 }
 
-/// Removes the damage from a cache folder and says what was found. Whole entries are kept.
+/// Removes damaged entries from a cache folder and reports what was found. Valid entries are kept.
 ///
 /// # Errors
 /// As [`verify`], and if the database cannot be written.
@@ -52,7 +52,7 @@ pub fn repair(cache: &Path) -> Result<CacheReport, StoreError> {
     Ok(report)
 }
 
-/// Removes all entries of every version from a cache folder and says what was in it. Processes at work on the folder
+/// Removes all entries of every version from a cache folder and reports its previous contents. Processes that use the folder
 /// continue.
 ///
 /// # Errors
@@ -115,7 +115,7 @@ fn rewrite(file: &Path, rows: &[Vec<Value>]) -> Result<(), StoreError> {
         connection.execute_batch("VACUUM").map_err(failed)
     });
     match mended {
-        // Beyond repair: emptied, whatever its contents.
+        // The file cannot be repaired, so it is cleared.
         Err(StoreError::Sqlite { source, .. })
             if source.sqlite_error_code() != Some(rusqlite::ErrorCode::DatabaseBusy) =>
         {

@@ -1,16 +1,16 @@
-//! The store: solved divisions in the file `furrow.sqlite` of the cache folder, for the next run and other processes.
+//! The store: solved divisions in the file `furrow.sqlite` of the cache folder, for later runs and other processes.
 //!
 //! An SQLite database with one table, `division`, and one row for each division and version of the solver. Its columns
 //! have the names of the parameters and of the output of `furrow divide --json`, so that `sqlite3` and every language can
-//! query it. It withstands:
+//! query it. It is robust against:
 //!
 //! - *Several processes.* The database is in WAL mode: readers never wait, writers take turns. Two processes may solve the
 //!   same division at the same time; they write the same row. A network folder is unsuitable: WAL needs shared memory.
 //! - *A kill at any moment.* A committed division is in the file or its log; SQLite rolls back all others. (A
-//!   power cut may cost the last seconds.)
-//! - *A full disk, a read-only folder, a damaged file.* The first failure is a warning, and the run continues without.
-//! - *A flipped byte.* Every row has a checksum over its values. A row that fails it is solved and written again.
-//! - *Other versions.* Rows of another solver are not used. A file with a newer schema is left alone.
+//!   power failure may lose the last seconds.)
+//! - *A full disk, a read-only folder, a damaged file.* The first failure causes a warning, and the run continues without the store.
+//! - *A flipped byte.* Every row has a checksum over its values. If the checksum is wrong, the division is solved and written again.
+//! - *Other versions.* Rows of another solver are not used. A file with a newer schema is not modified.
 //!
 //! Only with the feature `store`: there are no files in a web page.
 
@@ -32,7 +32,7 @@ pub use absent::Store;
 #[cfg(feature = "store")]
 pub use sqlite::{FILE, Store, StoreError};
 
-/// Warnings for the user of a store. Only time is lost.
+/// Warnings for the user of a store; they affect only the computing time.
 #[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]

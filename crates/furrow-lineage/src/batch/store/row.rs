@@ -15,15 +15,15 @@ pub const COLUMNS: &str = "key, solver, \
     second_neck_u, second_neck_radius, second_neck_share, volume_drift, \
     steps, rejected, newton_iterations, factorisations, remeshings, checksum";
 
-/// How many columns there are.
+/// Number of columns.
 pub const WIDTH: usize = 54;
 
-/// Where the columns of the outcome begin.
+/// Index of the first column of the outcome.
 const OUTCOME: usize = 33;
 
 /// The values of all columns, in their order.
 pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division) -> Vec<Value> {
-    // Taken apart without `..`: a new field does not compile until it has its column.
+    // There is no `..`, so that a new field is a compile error until it has a column.
     let DivisionInput { cell, numerics, seed } = input;
     let Cell { r0, epsilon, xi_s, cue: _, material, shell, law, shell_profile } = cell;
     let Material {
@@ -60,7 +60,8 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
     let mut row = Vec::with_capacity(WIDTH);
     row.extend([Value::Blob(key.as_bytes().to_vec()), Value::Integer(solver.into())]);
     row.extend([*r0, *epsilon, *xi_s].map(Value::Real));
-    // The law, the shell's profile, spontaneous curvature and normal friction follow the cue in its column: a new column would discard existing tables.
+    // The law, the shell's profile, spontaneous curvature and normal friction share the column of the cue, because a new column would
+    // invalidate existing tables.
     let added = [("spontaneous_curvature", spontaneous_curvature), ("normal_friction", normal_friction)];
     let added = added.iter().filter(|(_, value)| *value != 0.0).map(|(name, value)| format!(", {name} {value}"));
     let law = law.iter().map(|law| format!(", law {}", law.described()));
@@ -87,7 +88,7 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
     row
 }
 
-/// The division of a row; `None` unless its checksum holds and its numbers are in the range of a division.
+/// The division of a row; `None` if the checksum is wrong or a number is out of range.
 pub fn decode(row: &[ValueRef<'_>]) -> Option<Division> {
     let (last, values) = row.split_last()?;
     if *last != ValueRef::Integer(checksum(values.iter().copied())) {
@@ -129,7 +130,7 @@ pub fn decode(row: &[ValueRef<'_>]) -> Option<Division> {
     Division::try_from(row).ok().filter(in_range)
 }
 
-/// Whether the numbers are possible for a division. NaN, which SQLite cannot store, is in no range.
+/// Whether the numbers are possible for a division. NaN, which SQLite cannot store, is out of range.
 pub fn in_range(division: &Division) -> bool {
     // In an extremely asymmetric division, rounding may give the smaller daughter a volume below 0.
     let share = |number: f64| (0.0..=1.0 + 1e-6).contains(&number);

@@ -21,13 +21,13 @@ pub const FILE: &str = "furrow.sqlite";
 /// Version of the table, the database's `user_version`.
 const SCHEMA: i64 = 6;
 
-/// How long a lock that another process holds is waited for. It holds it for milliseconds unless it is stopped.
+/// Longest wait for a lock of another process. A running process holds it for milliseconds.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Solved divisions in a cache folder.
 ///
 /// # Examples
-/// A run finds the divisions that an earlier run has solved:
+/// A run reuses the divisions that an earlier run has solved:
 ///
 /// ```
 /// use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Store, replicates};
@@ -56,44 +56,44 @@ pub struct Store {
 
 #[derive(Debug, Default)]
 struct Inner {
-    /// Reads the file without locks or log, until the first row it does not find. A row with a matching checksum is right even
-    /// if the file changes meanwhile. Never closed: that would release the locks of this process's other connections.
+    /// Reads the file without locks or log, until the first missing row. A row with a matching checksum is valid even
+    /// if the file changes meanwhile. It is never closed, because that would release the locks of this process's other connections.
     snapshot: Option<ManuallyDrop<Connection>>,
     /// Open once the file exists and the snapshot does not suffice.
     connection: Option<Connection>,
     unreadable: bool,
     unwritable: bool,
     damaged: HashSet<Key>,
-    /// Damaged rows that no warning has named yet.
+    /// Damaged rows that have not been reported yet.
     unnamed: usize,
     warnings: Vec<StoreWarning>,
 }
 
-/// Why a store cannot be used.
+/// The reason why a store cannot be used.
 #[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreError {
-    /// The cache folder is something else.
+    /// The cache folder is not a folder.
     #[error("the cache {folder} is not a folder")]
     NotAFolder { folder: PathBuf },
-    /// A newer version of furrow made the table.
+    /// The table is from a newer version of furrow.
     #[error("{file} is from a newer version of furrow (schema {schema}, known here: {SCHEMA}); it is left alone")]
     Newer { file: PathBuf, schema: i64 },
     /// SQLite could not read or write.
     #[error("{file}: {source}")]
     Sqlite { file: PathBuf, source: rusqlite::Error },
-    /// The file could not be made.
+    /// The file could not be created.
     #[error("{file}: {source}")]
     Io { file: PathBuf, source: io::Error },
 }
 
 impl Store {
-    /// The store in a cache folder. The file is opened when something is looked up, and created, with its folder, when
-    /// something is committed.
+    /// The store in a cache folder. The file is opened at the first look-up; the file and its folder are created at the first
+    /// commit.
     ///
     /// # Errors
-    /// [`StoreError::NotAFolder`]. Everything else is a warning of the run.
+    /// [`StoreError::NotAFolder`]. All other problems are warnings of the run.
     pub fn open(cache: &Path) -> Result<Store, StoreError> {
         Store::of_solver(cache, SOLVER_VERSION)
     }
@@ -116,7 +116,7 @@ impl Store {
         })
     }
 
-    /// Writes a division. When this returns no kill of any process can lose it, unless a warning says that the store
+    /// Writes a division. After this returns, killing a process cannot lose the division, unless a warning reports that the store
     /// could not be written.
     pub fn commit(&self, key: &Key, input: &DivisionInput, division: &Division) {
         if !in_range(division) {
@@ -134,7 +134,7 @@ impl Store {
         }
     }
 
-    /// Rows that failed their checksum so far.
+    /// Number of rows with a wrong checksum so far.
     pub fn damaged(&self) -> usize {
         self.lock().map_or(0, |inner| inner.damaged.len())
     }
@@ -170,7 +170,7 @@ impl Store {
         Ok(found.flatten())
     }
 
-    /// The row, if there is one; its division, unless it is damaged.
+    /// The row, if it exists, and its division, unless the row is damaged.
     fn find(&self, connection: &Connection, key: &Key) -> rusqlite::Result<Option<Option<Division>>> {
         let mut statement = connection.prepare_cached("SELECT * FROM division WHERE key = ?1 AND solver = ?2")?;
         let mut rows = statement.query((key.as_bytes(), self.solver))?;
@@ -196,7 +196,7 @@ impl Store {
     fn give_up(&self, inner: &mut Inner, access: &'static str, error: &StoreError) {
         let reason = match error {
             StoreError::Sqlite { source, .. } => match source.sqlite_error_code() {
-                // `Unknown`: the table is missing or another one.
+                // `Unknown` means that the table is missing or different.
                 Some(ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase | ErrorCode::Unknown) => {
                     format!("{source}: `furrow cache verify --repair` mends it")
                 }
@@ -226,7 +226,7 @@ impl Archive for Store {
             inner.connection = connect(&self.file).ok()?;
         }
         let select = "SELECT found, checksum FROM radius WHERE search = ?1 AND solver = ?2";
-        // There is no table before the first radius is kept.
+        // The table does not exist before the first radius is stored.
         let mut statement = inner.connection.as_ref()?.prepare_cached(select).ok()?;
         let row = statement.query_row((search, self.solver), |row| Ok((row.get(0)?, row.get(1)?)));
         let (found, sum): (String, i64) = row.ok()?;
@@ -271,13 +271,13 @@ impl Drop for Store {
     }
 }
 
-/// Makes the error of a database from SQLite's.
+/// Converts an error of SQLite.
 pub(super) fn failed(file: &Path) -> impl Fn(rusqlite::Error) -> StoreError + Copy + '_ {
     |source| StoreError::Sqlite { file: file.to_owned(), source }
 }
 
 fn unpoisoned<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // No code panics while it holds a lock, and the rows would be whole even then.
+    // No code panics while it holds a lock, and the rows would be valid even then.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -298,7 +298,7 @@ pub(super) fn connect(file: &Path) -> Result<Option<Connection>, StoreError> {
     let connection = Connection::open_with_flags(file, flags).map_err(failed(file))?;
     connection.busy_timeout(PATIENCE).map_err(failed(file))?;
     match checked(&connection, file) {
-        // A folder that cannot be written has no place for the log of a database, and its database does not change.
+        // A read-only folder cannot hold the log of a database, and its database does not change.
         Err(StoreError::Sqlite { source, .. })
             if matches!(source.sqlite_error_code(), Some(ErrorCode::CannotOpen | ErrorCode::ReadOnly)) =>
         {
@@ -316,7 +316,7 @@ fn immutable(file: &Path) -> Result<Connection, StoreError> {
     checked(&connection, file).map(|()| connection)
 }
 
-/// Refuses a table from a newer version of furrow.
+/// Rejects a table from a newer version of furrow.
 fn checked(connection: &Connection, file: &Path) -> Result<(), StoreError> {
     match connection.pragma_query_value(None, "user_version", |row| row.get(0)).map_err(failed(file))? {
         SCHEMA | 0 => Ok(()),
@@ -325,7 +325,7 @@ fn checked(connection: &Connection, file: &Path) -> Result<(), StoreError> {
     }
 }
 
-/// Keeps the table of an older version under another name, and makes one of this version.
+/// Renames the table of an older version, and creates one of this version.
 fn set_aside(connection: &Connection) -> rusqlite::Result<()> {
     connection.execute_batch("BEGIN IMMEDIATE")?;
     let replaced = connection.pragma_query_value(None, "user_version", |row| row.get::<_, i64>(0)).and_then(|schema| {
@@ -342,7 +342,7 @@ fn set_aside(connection: &Connection) -> rusqlite::Result<()> {
     })
 }
 
-/// Creates the database and its folder at once: other processes see either nothing or the whole database.
+/// Creates the database and its folder atomically: other processes see either nothing or the complete database.
 fn create(file: &Path) -> Result<(), StoreError> {
     let failed = |source| StoreError::Io { file: file.to_owned(), source };
     let folder = file.parent().unwrap_or(Path::new("."));
@@ -356,18 +356,18 @@ fn create(file: &Path) -> Result<(), StoreError> {
     };
     made().map_err(self::failed(file))?;
     match new.persist_noclobber(file) {
-        // Another process was quicker.
+        // Another process has created it first.
         Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => Ok(()),
         result => result.map_err(|error| failed(error.error)),
     }
 }
 
-/// Makes an empty database one of furrow's.
+/// Initialises an empty database.
 pub(super) fn create_table(connection: &Connection) -> rusqlite::Result<()> {
     connection.execute_batch(&format!("PRAGMA journal_mode = WAL; BEGIN; {}; COMMIT;", table()))
 }
 
-/// The statements that make the table.
+/// The statements that create the table.
 fn table() -> String {
     format!(
         "CREATE TABLE IF NOT EXISTS division ({COLUMNS}, PRIMARY KEY (key, solver)) WITHOUT ROWID; \
@@ -375,7 +375,7 @@ fn table() -> String {
     )
 }
 
-/// The division of a whole row; `None` if the row is damaged.
+/// The division of a row; `None` if the row is damaged.
 pub(super) fn decoded(row: &rusqlite::Row<'_>) -> rusqlite::Result<Option<Division>> {
     let values = (0..WIDTH).map(|place| row.get_ref(place)).collect::<Result<Vec<_>, _>>()?;
     Ok(decode(&values))
@@ -383,7 +383,7 @@ pub(super) fn decoded(row: &rusqlite::Row<'_>) -> rusqlite::Result<Option<Divisi
 
 /// Writes rows in one transaction, after the statement `first`.
 pub(super) fn write(connection: &Connection, first: &str, rows: &[Vec<Value>]) -> rusqlite::Result<()> {
-    // A power cut may cost the last transactions and leaves the file whole.
+    // A power failure may lose the last transactions but does not damage the file.
     connection.execute_batch("PRAGMA synchronous = NORMAL; BEGIN IMMEDIATE")?;
     let places = vec!["?"; WIDTH].join(", ");
     let written = || -> rusqlite::Result<()> {
