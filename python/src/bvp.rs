@@ -31,22 +31,28 @@ pub(crate) struct Functions<'a, 'py> {
     interrupt: Interrupt,
 }
 
-/// How far a number is moved.
-type Step = fn(f64) -> f64;
+/// How far a number is moved, by its size and that of its like.
+fn step(size: f64, value: f64) -> f64 {
+    STEP * (size + value.abs())
+}
 
-/// The usual distance, and a nearer one for functions that are not defined there, as y^(2/3) left of 0.
-const STEPS: [Step; 2] = [|value| STEP * (1.0 + value.abs()), |value| STEP * value.abs()];
+/// The size of numbers that are at most 1; 1 for larger ones, and for zeros.
+fn size_of<'v>(values: impl Iterator<Item = &'v f64>) -> f64 {
+    let largest = values.fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    if largest == 0.0 { 1.0 } else { largest.min(1.0) }
+}
 
-/// Values of a function where one of its arguments is moved up and down.
-type Sides = (Step, [Vec<f64>; 2]);
+/// Values of a function where one of its arguments is moved up and down, and the size that gives the distance.
+type Sides = (f64, [Vec<f64>; 2]);
 
-/// Values at the usual distance and, if some of them are not finite, at a shorter one. `at` computes them from a function that moves a number.
-fn sides(mut at: impl FnMut(&dyn Fn(f64) -> f64) -> Vec<f64>) -> Vec<Sides> {
+/// Values at the usual distance and, if some of them are not finite, at a nearer one, for functions that are not defined there, as y^(2/3)
+/// left of 0. `at` computes them from a function that moves a number, and `size` is that of its like.
+fn sides(size: f64, mut at: impl FnMut(&dyn Fn(f64) -> f64) -> Vec<f64>) -> Vec<Sides> {
     let mut tried = Vec::new();
-    for step in STEPS {
-        let both = [1.0, -1.0].map(|sign| at(&|value| value + sign * step(value)));
+    for size in [size, 0.0] {
+        let both = [1.0, -1.0].map(|sign| at(&|value| value + sign * step(size, value)));
         let defined = both.iter().flatten().all(|value| value.is_finite());
-        tried.push((step, both));
+        tried.push((size, both));
         if defined {
             break;
         }
@@ -57,8 +63,8 @@ fn sides(mut at: impl FnMut(&dyn Fn(f64) -> f64) -> Vec<f64>) -> Vec<Sides> {
 /// The derivative of one of the values by an argument, with the value itself and the place of the argument. Where no distance has values on
 /// both sides, the difference is that to one side; it is NaN where neither side has one.
 fn difference(tried: &[Sides], value: usize, base: f64, place: f64) -> f64 {
-    let both = |(step, values): &Sides| {
-        let step = step(place);
+    let both = |(size, values): &Sides| {
+        let step = step(*size, place);
         [(place + step, values[0][value]), (place - step, values[1][value])]
     };
     let defined = |(at, value): &(f64, f64)| *at != place && value.is_finite();
@@ -253,7 +259,8 @@ impl Functions<'_, '_> {
         let (n, count) = (self.sizes[0], points.x.len());
         let mut y = points.y.to_vec();
         for c in 0..n {
-            let tried = sides(|moved| {
+            let size = size_of(points.y.iter().skip(c).step_by(n));
+            let tried = sides(size, |moved| {
                 (0..count).for_each(|i| y[i * n + c] = moved(points.y[i * n + c]));
                 self.slopes(points.x, &y, p)
             });
@@ -274,7 +281,7 @@ impl Functions<'_, '_> {
         let mut p = p.to_vec();
         for c in 0..np {
             let place = p[c];
-            let tried = sides(|moved| {
+            let tried = sides(size_of([place].iter()), |moved| {
                 p[c] = moved(place);
                 self.slopes(points.x, points.y, &p)
             });
@@ -356,7 +363,11 @@ impl TwoPoint for Functions<'_, '_> {
             let columns = all[part].len();
             for c in 0..columns {
                 let place = all[part][c];
-                let tried = sides(|moved| {
+                let size = match part {
+                    0 | 1 => size_of([left[c], right[c]].iter()),
+                    _ => size_of([place].iter()),
+                };
+                let tried = sides(size, |moved| {
                     all[part][c] = moved(place);
                     self.residuals([&all[0], &all[1]], &all[2])
                 });
@@ -448,6 +459,17 @@ pub fn solve_bvp<'py>(
     result(py, problem, found)
 }
 
+/// What to try after an error.
+fn advice(error: &DeflationError) -> &'static str {
+    use SolveError::{ErrorLimit, MeshLimit, Newton, Stopped};
+    match error {
+        DeflationError::Unsolved(MeshLimit { .. } | ErrorLimit { .. }) => "; max_nodes can allow more",
+        DeflationError::Unsolved(Stopped { .. }) => "; a better guess or a larger max_nodes may help",
+        DeflationError::Unsolved(Newton { .. }) => "; a better guess may help",
+        _ => "",
+    }
+}
+
 /// The result for Python, or the first error that a function of the user raised, or the error of the solver.
 fn result<'py>(
     py: Python<'py>,
@@ -458,7 +480,7 @@ fn result<'py>(
     raised(&problem)?;
     let solved = found.map_err(|error| match error {
         DeflationError::Invalid(error) | DeflationError::Unsolved(SolveError::Invalid(error)) => unfit(error),
-        error => Error::no_outcome(shortened(&error.to_string())),
+        error => Error::no_outcome(shortened(&error.to_string()) + advice(&error)),
     })?;
     let (quality, iterations) = ((solved.defect, solved.condition, solved.error), solved.work.iterations);
     let collocation = Collocation::new(solved);

@@ -153,6 +153,9 @@ const CARRIED_DEFECT: f64 = 1e-3;
 /// Where the condition times the defect is larger, the problem may be singular.
 const SUSPECT: f64 = 1e-2;
 
+/// A larger condition is estimated again, on halved intervals: Newton's last factors may belong to a point before the solution.
+const LARGE: f64 = 1e8;
+
 /// The condition of a singular problem grows at least by this factor where the intervals are halved.
 const GROWN: f64 = 4.0;
 
@@ -161,6 +164,9 @@ const SINGULAR: f64 = 1e12;
 
 /// Where Newton stalls with a correction as small as this, rounding stops it.
 const STALLED_BY_ROUNDING: f64 = 1e-9;
+
+/// A larger correction than this is not accepted, whatever the condition.
+const LARGEST_ROUNDING: f64 = 1e-5;
 
 /// A defect below this that twice as many intervals do not make smaller is one of rounding.
 const ROUNDING: f64 = 1e-8;
@@ -184,6 +190,9 @@ const PROGRESS: f64 = 0.5;
 const TIGHTENING: f64 = 0.3;
 /// The tolerance is multiplied by no less.
 const LEAST_TIGHTENING: f64 = 1e-4;
+
+/// Where Newton's method fails on halved intervals, the tolerance is multiplied by the same, but not below this.
+const LEAST_TIGHTENED: f64 = 1e-9;
 
 /// A defect tolerance is worth this many of Newton's.
 pub(crate) const NEWTON_SHARE: f64 = 1e-2;
@@ -264,6 +273,13 @@ pub fn solve(
     run.solve(guess.clone())
 }
 
+/// A solution whose defect is small enough.
+enum Accepted {
+    Solved(Box<Solved>),
+    /// To be solved with a smaller defect.
+    Again(Solution),
+}
+
 /// One call of [`solve`].
 struct Run<'a> {
     problem: &'a mut dyn BoundaryValueProblem,
@@ -294,7 +310,13 @@ impl Run<'_> {
                 return Err(SolveError::Rounding { best: self.take_best_or(y, defect) });
             }
             if defect <= self.tolerance {
-                let solved = self.accepted(y, defects, slopes)?;
+                let solved = match self.accepted(y, defects, slopes)? {
+                    Accepted::Solved(solved) => *solved,
+                    Accepted::Again(again) => {
+                        (refinement, y) = (mesh::Refinement::new(self.tolerance, limit), again);
+                        continue;
+                    }
+                };
                 let Some(allowed) = self.settings.error else { return Ok(solved) };
                 let solved = self.with_error(solved)?;
                 let error = solved.error.unwrap_or_default();
@@ -318,24 +340,28 @@ impl Run<'_> {
     }
 
     /// The solution, on a coarser mesh if that is fine enough; an error if the problem is singular.
-    fn accepted(&mut self, y: Solution, defects: Vec<f64>, slopes: Vec<f64>) -> Result<Solved, SolveError> {
+    fn accepted(&mut self, y: Solution, defects: Vec<f64>, slopes: Vec<f64>) -> Result<Accepted, SolveError> {
         let (condition, defect) = (condition::estimate(&mut self.system, &y), largest(&defects));
         let needed = mesh::intervals_for(&y.mesh, &defects, y.m, self.tolerance).max(2);
         let solved = Solved { solution: y, defect, condition, work: self.work, slopes, error: None };
-        if condition * defect > SUSPECT || condition > SINGULAR {
+        if condition * defect > SUSPECT || condition > LARGE {
             return self.settled(solved);
         }
         if WASTEFUL * needed <= solved.solution.intervals()
             && let Some(coarser) = self.on_coarser(&solved, &defects, needed)
         {
-            return Ok(coarser);
+            return if coarser.condition > LARGE {
+                self.settled(coarser)
+            } else {
+                Ok(Accepted::Solved(Box::new(coarser)))
+            };
         }
-        Ok(Solved { work: self.work, ..solved })
+        Ok(Accepted::Solved(Box::new(Solved { work: self.work, ..solved })))
     }
 
     /// The solution on intervals that are halved until its condition no longer grows; an error if it grows without bound, as the condition of
     /// a singular problem does.
-    fn settled(&mut self, mut solved: Solved) -> Result<Solved, SolveError> {
+    fn settled(&mut self, mut solved: Solved) -> Result<Accepted, SolveError> {
         loop {
             let Solved { solution: y, condition, .. } = &solved;
             let (condition, intervals) = (*condition, y.intervals());
@@ -343,11 +369,16 @@ impl Run<'_> {
             match self.newton(&mut finer) {
                 Ok(()) => {}
                 Err(NewtonError::Stopped { reason, .. }) => return Err(self.stopped(reason, finer.intervals())),
+                Err(_) if self.tolerance > LEAST_TIGHTENED => {
+                    // The defect moves the solution farther than Newton's method converges from.
+                    self.tolerance *= LEAST_TIGHTENING;
+                    return Ok(Accepted::Again(solved.solution));
+                }
                 Err(_) => return Err(SolveError::Singular { condition, intervals }),
             }
             let on_finer = condition::estimate(&mut self.system, &finer);
             let grows = on_finer > GROWN * condition || solved.defect > self.tolerance;
-            if on_finer > SINGULAR || grows && 4 * intervals > self.settings.max_intervals {
+            if on_finer > singular(&finer) || grows && 4 * intervals > self.settings.max_intervals {
                 return Err(SolveError::Singular { condition: on_finer, intervals: finer.intervals() });
             }
             let (defects, slopes) = self.defects(&finer);
@@ -356,7 +387,7 @@ impl Run<'_> {
             let finer = Solved { solution: finer, defect, condition: on_finer, work, slopes, error: None };
             match grows {
                 true => solved = finer,
-                false => return Ok(Solved { work, ..solved }),
+                false => return Ok(Accepted::Solved(Box::new(Solved { work, ..solved }))),
             }
         }
     }
@@ -394,7 +425,7 @@ impl Run<'_> {
         let (defects, slopes) = self.defects(&finer);
         let condition = condition::estimate(&mut self.system, &finer);
         // A solution may approach one that leaves a scalar free, such as rest where a period is sought.
-        if condition > SINGULAR {
+        if condition > singular(&finer) {
             return Err(SolveError::Singular { condition, intervals });
         }
         let missed = condition.max(1.0) * self.missed(&finer, &defects);
@@ -455,7 +486,7 @@ impl Run<'_> {
         let newton = Newton { tolerance, ..settings.newton };
         match newton.solve(&mut self.system, &mut self.scratch, self.problem, y, &[], false) {
             Ok(report) => self.work += report,
-            Err(NewtonError::Stalled { correction, .. }) if correction <= STALLED_BY_ROUNDING => {}
+            Err(NewtonError::Stalled { correction, .. }) if self.is_rounding(correction, y) => {}
             Err(error) => {
                 self.work.rejected += 1;
                 return Err(error);
@@ -463,6 +494,12 @@ impl Run<'_> {
         }
         self.work.steps += 1;
         Ok(())
+    }
+
+    /// Whether a correction at which Newton's method stalls is the effect of rounding, which the condition amplifies.
+    fn is_rounding(&mut self, correction: f64, y: &Solution) -> bool {
+        correction <= STALLED_BY_ROUNDING
+            || correction <= LARGEST_ROUNDING && correction <= ROUNDED * condition::estimate(&mut self.system, y)
     }
 
     /// Newton on the mesh of `y`; if it fails, on the mesh with halved intervals, and by a homotopy from the guess.
@@ -491,7 +528,7 @@ impl Run<'_> {
                 // Stalled with the factors of the last iterate, which has the mesh of `start`.
                 let stalled = matches!(source, NewtonError::Stalled { .. });
                 let condition = if stalled { condition::estimate(&mut self.system, &start) } else { 0.0 };
-                if condition > SINGULAR {
+                if condition > singular(&start) {
                     return Err(SolveError::Singular { condition, intervals });
                 }
                 return Err(SolveError::Newton { intervals, source, best: self.take_best() });
@@ -561,6 +598,12 @@ impl Run<'_> {
         best.work = self.work;
         best
     }
+}
+
+/// The condition from which on a problem is singular to rounding. On a long interval small changes of f add up.
+fn singular(y: &Solution) -> f64 {
+    let [from, to] = [y.mesh.first(), y.mesh.last()].map(|end| end.copied().unwrap_or_default());
+    SINGULAR * (to - from).max(1.0)
 }
 
 /// Largest |a − b| / (1 + |b|), infinite where it is not a number.

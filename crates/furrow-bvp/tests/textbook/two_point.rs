@@ -219,7 +219,7 @@ fn the_bound_on_the_error_holds_for_rough_small_and_nearly_singular_problems() {
 #[test]
 fn a_trivial_solution_that_leaves_a_scalar_free_is_singular() {
     let grid = mesh::uniform(0.0, 1.0, 50);
-    for period in [3.0, 4.0, 5.0] {
+    for (period, error) in [3.0, 4.0, 5.0, 6.0].into_iter().flat_map(|period| [(period, Some(1e-8)), (period, None)]) {
         let wave = |of: fn(f64) -> f64| grid.iter().map(|x| of(TAU * x)).collect::<Vec<f64>>();
         let found = solve_bvp(
             |_, y: &[Jet], p, f: &mut [Jet]| {
@@ -234,7 +234,7 @@ fn a_trivial_solution_that_leaves_a_scalar_free_is_singular() {
             &grid,
             &[&wave(f64::cos), &wave(|x| -x.sin())],
             &[period],
-            &Settings { error: Some(1e-8), ..Settings::default() },
+            &Settings { error, ..Settings::default() },
         );
         match found {
             Ok(solved) => assert!(solved.solution.node(0)[0].abs() > 1.0, "{period}: {:.1e}", solved.condition),
@@ -244,5 +244,94 @@ fn a_trivial_solution_that_leaves_a_scalar_free_is_singular() {
                 error.to_string().chars().take(200).collect::<String>()
             ),
         }
+    }
+}
+
+type Row = fn(f64) -> f64;
+type Rhs = fn(f64, &[Jet], &[Jet], &mut [Jet]);
+type Conditions = fn(&[Jet], &[Jet], &[Jet], &mut [Jet]);
+
+/// Problems to which Newton's method and the homotopy find no solution from guesses such as zeros, a constant or a line.
+#[test]
+fn rough_guesses_are_carried_from_mesh_to_mesh() {
+    let solved = |grid: &[f64], guess: &[Row], p: &[f64], rhs: Rhs, conditions: Conditions| {
+        let rows: Vec<Vec<f64>> = guess.iter().map(|row| grid.iter().map(|x| row(*x)).collect()).collect();
+        let rows: Vec<&[f64]> = rows.iter().map(|row| &row[..]).collect();
+        solve_bvp(rhs, conditions, grid, &rows, p, &Settings::default()).unwrap().solution
+    };
+    let [one, zero]: [Row; 2] = [|_| 1.0, |_| 0.0];
+    // Falkner and Skan with β = −0.15 and reversed flow at the wall, from ones.
+    let flow = solved(
+        &mesh::uniform(0.0, 10.0, 14),
+        &[one, one, one],
+        &[],
+        |_, y, _, f| (f[0], f[1], f[2]) = (y[1], y[2], -y[0] * y[2] + (-y[1] * y[1] + 1.0) * 0.15),
+        |ya, yb, _, r| (r[0], r[1], r[2]) = (ya[0], ya[1], yb[1] - 1.0),
+    );
+    assert!((flow.node(0)[2] + 0.1334212).abs() < 1e-6, "{}", flow.node(0)[2]);
+    // Allen and Cahn, ε = 0.1, from zeros: the front is where the condition puts it.
+    let front = solved(
+        &mesh::uniform(0.0, 1.0, 10),
+        &[zero, zero],
+        &[],
+        |_, y, _, f| (f[0], f[1]) = (y[1], (y[0] * y[0] * y[0] - y[0]) * 100.0),
+        |ya, yb, _, r| (r[0], r[1]) = (ya[0] + 1.0, yb[0] - 1.0),
+    );
+    let mut middle = [0.0; 2];
+    front.eval(&furrow_bvp::Gauss::default(), 0.5, &mut middle);
+    assert!(middle[0].abs() < 1e-6 && (middle[1] - 7.07123).abs() < 1e-5, "{middle:?}");
+    // The lowest characteristic number of Mathieu's equation with q = 5, from −1.
+    let mathieu = solved(
+        &mesh::uniform(0.0, PI / 2.0, 14),
+        &[|_| -1.0, |_| -1.0],
+        &[0.0],
+        |x, y, p, f| (f[0], f[1]) = (y[1], -(p[0] - 10.0 * (2.0 * x).cos()) * y[0]),
+        |ya, yb, _, r| (r[0], r[1], r[2]) = (ya[0] - 1.0, ya[1], yb[1]),
+    );
+    assert!((mathieu.scalars[0] + 5.800046).abs() < 1e-6, "{:?}", mathieu.scalars);
+    // The second transcendent of Painlevé, from −1.
+    let painleve = solved(
+        &mesh::uniform(-8.0, 6.0, 14),
+        &[|_| -1.0, |_| -1.0],
+        &[],
+        |x, y, _, f| (f[0], f[1]) = (y[1], y[0] * y[0] * y[0] * 2.0 + y[0] * x),
+        |ya, yb, _, r| (r[0], r[1]) = (ya[0] - 2.0, yb[0] - 9.9e-6),
+    );
+    let mut middle = [0.0; 2];
+    painleve.eval(&furrow_bvp::Gauss::default(), 0.0, &mut middle);
+    assert!((middle[0] - 0.3670615).abs() < 1e-6, "{middle:?}");
+}
+
+/// A kink and a pulse on long intervals have conditions of 1e7 and 1e10, which do not grow as the mesh is refined.
+#[test]
+fn a_large_condition_that_settles_is_no_singularity() {
+    let grid = mesh::uniform(-10.0, 10.0, 40);
+    let row = |of: fn(f64) -> f64| grid.iter().map(|x| of(*x)).collect::<Vec<f64>>();
+    for tolerance in [1e-3, 1e-4, 1e-6, 1e-8] {
+        let settings = Settings { tolerance, ..Settings::default() };
+        let kink = solve_bvp(
+            |_, y: &[Jet], _, f: &mut [Jet]| (f[0], f[1]) = (y[1], y[0].sin()),
+            |ya, yb, _, r| {
+                (r[0], r[1]) = (ya[0] - 4.0 * (-10f64).exp().atan(), yb[0] - 4.0 * 10f64.exp().atan());
+            },
+            &grid,
+            &[&row(|x| PI * (1.0 + x / 10.0)), &row(|_| PI / 10.0)],
+            &[],
+            &settings,
+        );
+        let (mut at, kink) = ([0.0; 2], kink.unwrap());
+        kink.eval(&furrow_bvp::Gauss::default(), 0.0, &mut at);
+        assert!((at[0] - PI).abs() < 2e-3 && (at[1] - 2.0).abs() < 1e-5, "{tolerance:.0e}: {at:?}");
+        let pulse = solve_bvp(
+            |_, y: &[Jet], _, f: &mut [Jet]| (f[0], f[1]) = (y[1], y[0] - y[0] * y[0]),
+            |ya, yb, _, r| (r[0], r[1]) = (ya[0] - ya[1], yb[0] + yb[1]),
+            &grid,
+            &[&row(|x| 1.5 / (0.5 * x).cosh().powi(2)), &row(|_| 0.0)],
+            &[],
+            &settings,
+        );
+        let (mut at, pulse) = ([0.0; 2], pulse.unwrap());
+        pulse.eval(&furrow_bvp::Gauss::default(), 0.0, &mut at);
+        assert!((at[0] - 1.5).abs() < 1e-5, "{tolerance:.0e}: {at:?}");
     }
 }
