@@ -154,7 +154,8 @@ fn text(question: &Question, found: &Solution, units: &Units) -> String {
     let _ = writeln!(out, "{name:>16} {:>10} {:>10} {:>10}  smaller daughter", "χ", "u_furrow", "t_end");
     for root in &found.roots {
         let Root { value, chi, smaller, u_furrow, t_end, second_neck, .. } = root;
-        let parts = second_neck.map_or(String::new(), |neck| format!("; three parts, second neck at u = {:.4}", neck.u));
+        let parts =
+            second_neck.map_or(String::new(), |neck| format!("; three parts, second neck at u = {:.4}", neck.u));
         let _ =
             writeln!(out, "{value:>16.9} {chi:>10.6} {u_furrow:>10.6} {t_end:>10.6}  {smaller}{}{parts}", um(*value));
     }
