@@ -11,11 +11,13 @@ use crate::names::Names;
 use crate::tracked::{Place, TrackedCell, TrackedLineage};
 
 impl TrackedLineage {
-    /// Gives cells the names that the matching of `names` finds for them, and notes how. Other cells keep their names.
+    /// Leaves out links that contradict names of the lineage's cells, then gives cells the names that the matching of `names` finds for
+    /// them, and notes how. Other cells keep their names.
     ///
     /// # Errors
     /// A tracked name of several cells, two names of one cell, or a root without its tracked name where several cells have no mother.
     pub fn match_names(&mut self, names: &Names) -> Result<(), InputError> {
+        self.follow_names(names);
         let Some(matching) = names.matching() else { return Ok(()) };
         let mut found = Search::of(self, names, matching)?;
         found.name_by_table()?;

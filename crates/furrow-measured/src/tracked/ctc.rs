@@ -1,5 +1,6 @@
 //! Tracks of the Cell Tracking Challenge. A line has a label, the first frame, the last frame, and the mother's label, or 0 without a
-//! mother.
+//! mother. A track that comes from another one, alone and after a gap, is the same cell. Alone and without a gap it is a daughter: its
+//! sister was lost.
 //!
 //! # References
 //! <https://celltrackingchallenge.net>: naming and file content conventions.
@@ -70,6 +71,6 @@ pub(super) fn read(path: &Path, embryo: String) -> Result<TrackedLineage, InputE
             (None, false) => return Err(malformed(&file, line, format!("mother = {mother}: {allowed}"))),
         }
     }
-    chains::link(&mut spots, &mut chains, (&file, "first frame"), Only::SameCell)?;
+    chains::link(&mut spots, &mut chains, (&file, "first frame"), Only::SameCellAfterGap)?;
     spots.lineage(embryo, Format::Ctc, TimeUnit::Frames, Unit::Voxels)
 }

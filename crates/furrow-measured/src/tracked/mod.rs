@@ -16,6 +16,7 @@
 //! | `spots` | spots and links of any format, as cells |
 //! | `lengths` | units of lengths, volumes of spheres |
 //! | `namesakes` | the order of several cells of one name |
+//! | `kin` | links that contradict names, births of sisters |
 //!
 //! A cell is a chain of spots between two divisions. [`read_tracked`] recognises a format by the content of the file.
 //!
@@ -32,6 +33,7 @@ mod container;
 mod ctc;
 mod files;
 mod geff;
+mod kin;
 mod lengths;
 mod lifetimes;
 mod namesakes;
@@ -82,7 +84,7 @@ pub struct TrackedCell {
     pub mother: Option<usize>,
     /// The indices of its daughters, at most two.
     pub daughters: Vec<usize>,
-    /// The time of its first spot.
+    /// The time of its first spot, or of its sister's, whichever is earlier.
     pub birth: f64,
     /// The time of its first daughter's first spot; `None` if it was not seen to divide.
     pub division: Option<f64>,

@@ -2,6 +2,7 @@
 
 mod damaged;
 mod graphs;
+mod links;
 mod sizes;
 mod tracks;
 
