@@ -8,13 +8,13 @@
 //! | `xml` | the files of TrackMate and MaMuT |
 //! | `track_tables` | tables of tracks of napari, ultrack, btrack, funtracks and ilastik |
 //! | `ctc` | tracks of the Cell Tracking Challenge |
-//! | `geff`, `zarr`, `shards`, `unpack` | GEFF, the graph exchange format, in Zarr arrays |
+//! | `geff`, `geff_units`, `zarr`, `shards`, `unpack` | GEFF, the graph exchange format, in Zarr arrays |
 //! | `container` | the GEFF inside a folder |
 //! | `files` | the embryos in folders and patterns |
 //! | `chains` | links spots, where the file lists the spots of a cell together |
 //! | `rows` | rows that are given twice, and links past spots that cannot be used |
 //! | `spots` | spots and links of any format, as cells |
-//! | `lengths` | units of lengths, volumes of spheres |
+//! | `lengths`, `times` | units of lengths and times, volumes of spheres |
 //! | `namesakes` | the order of several cells of one name |
 //! | `kin` | links that contradict names, births of sisters |
 //!
@@ -33,6 +33,7 @@ mod container;
 mod ctc;
 mod files;
 mod geff;
+mod geff_units;
 mod kin;
 mod lengths;
 mod lifetimes;
@@ -42,6 +43,7 @@ mod rows;
 mod shards;
 mod spot_tables;
 mod spots;
+mod times;
 mod track_tables;
 mod unpack;
 mod xml;
@@ -297,6 +299,10 @@ fn located_file(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
     }
     if foreign::is_ctc(&text) {
         return Ok(here(Format::Ctc));
+    }
+    if ctc::is_called_so(path) && foreign::has_only_numbers(&text) {
+        let reason = format!("a line of it must be {}", ctc::LINE);
+        return Err(InputError::other_file(path.display(), Format::Ctc.name(), reason));
     }
     foreign::refuse(&path.display().to_string(), &head, foreign::WANTED)?;
     if path.file_name().is_some_and(|name| acetree::is_of_nuclei(&name.to_string_lossy())) {

@@ -119,6 +119,16 @@ impl Spots {
         &self.spots[spot]
     }
 
+    /// The times of all spots.
+    pub fn times(&self) -> impl Iterator<Item = f64> {
+        self.spots.iter().map(|spot| spot.time)
+    }
+
+    /// Gives all spots other times; links come later.
+    pub fn set_times(&mut self, times: &[f64]) {
+        self.spots.iter_mut().zip(times).for_each(|(spot, time)| spot.time = *time);
+    }
+
     /// Reports a value that cannot be used.
     pub fn skip(&mut self, file: &str, line: u64, column: &str, value: &str, why: impl Into<String>) {
         note(&mut self.skipped, &mut self.skipped_count, || {
