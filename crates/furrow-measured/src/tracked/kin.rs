@@ -55,7 +55,7 @@ impl TrackedLineage {
             if one_with.contains_key(&cell) || !self.is_named(cell, names) {
                 continue;
             }
-            while let Some(same) = self.namesake_below(cell) {
+            while let Some(same) = self.namesake_below(cell, names) {
                 for sister in self.cells[cell].daughters.clone().into_iter().filter(|daughter| *daughter != same) {
                     let name = self.cells[cell].name.clone();
                     let why = format!("it branches off {name}, which goes on by its name: it is left without a mother");
@@ -71,9 +71,15 @@ impl TrackedLineage {
         }
     }
 
-    /// The daughter of a cell with the same name; of two the one that was followed further.
-    fn namesake_below(&self, cell: usize) -> Option<usize> {
+    /// The daughter of a cell with the same name; of two the one that was followed further. Where the other one has the name of a daughter
+    /// the division is real, and the name of the first is wrong.
+    fn namesake_below(&self, cell: usize, names: &Names) -> Option<usize> {
         let TrackedCell { name, daughters, .. } = &self.cells[cell];
+        let is_real =
+            |daughter: &usize| names.birth(&self.cells[*daughter].name).is_some_and(|(mother, ..)| mother == name);
+        if daughters.iter().any(is_real) {
+            return None;
+        }
         let alike = daughters.iter().copied().filter(|daughter| self.cells[*daughter].name == *name);
         let further = |cell: usize| (!self.cells[cell].daughters.is_empty(), self.cells[cell].last);
         alike.reduce(|one, other| if further(other) > further(one) { other } else { one })
@@ -129,7 +135,7 @@ impl TrackedLineage {
         lost
     }
 
-    /// Links cells to the mothers that their names give, where either of them lost a link and the mother was seen before.
+    /// Links cells to the mothers that their names give, where either of them lost a link and the mother was seen in the frame before.
     fn link_by_names(&mut self, names: &Names, lost: &HashSet<usize>) {
         let mut places: HashMap<String, usize> = HashMap::new();
         for (k, cell) in self.cells.iter().enumerate() {
@@ -143,7 +149,8 @@ impl TrackedLineage {
                 continue;
             };
             let TrackedCell { last, daughters, .. } = &self.cells[mother];
-            let is_free = *last < *birth && daughters.len() < 2;
+            let is_next = *last < *birth && *birth - *last < 1.5 * self.frame;
+            let is_free = is_next && daughters.len() < 2;
             if is_free && (lost.contains(&cell) || lost.contains(&mother)) {
                 self.cells[cell].mother = Some(mother);
                 self.cells[mother].daughters.push(cell);

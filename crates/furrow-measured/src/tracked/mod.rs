@@ -146,6 +146,9 @@ pub struct TrackedLineage {
     /// Which options say something of the file.
     #[serde(skip)]
     pub(crate) takes: Takes,
+    /// The time from one frame to the next.
+    #[serde(skip)]
+    pub(crate) frame: f64,
     /// Why its sizes are left out, where all spots have one: only what needs sizes has to say so.
     #[serde(skip)]
     pub unknown_sizes: Option<Skipped>,
@@ -348,6 +351,7 @@ pub fn read_tracked(path: &Path, options: &TrackOptions) -> Result<Option<Tracke
     }?;
     if let Some(minutes) = options.frame_minutes.filter(|_| lineage.time == TimeUnit::Frames) {
         lineage.time = TimeUnit::Minutes;
+        lineage.frame *= minutes;
         for cell in &mut lineage.cells {
             let times = [&mut cell.birth, &mut cell.last].into_iter().chain(&mut cell.division);
             times.for_each(|time| *time *= minutes);

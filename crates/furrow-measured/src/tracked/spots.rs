@@ -88,6 +88,14 @@ impl Frames {
         Frames::Timed(times)
     }
 
+    /// The shortest time between two frames.
+    fn shortest(&self) -> f64 {
+        match self {
+            Frames::Numbered => 1.0,
+            Frames::Timed(times) => times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min),
+        }
+    }
+
     /// The time of the frame after a time.
     fn after(&self, time: f64) -> f64 {
         match self {
@@ -312,6 +320,7 @@ impl Spots {
             matched: None,
             spots: known,
             takes,
+            frame: frames.shortest(),
             unknown_sizes,
         };
         // In a graph with a node for each cell, which furrow writes, times between nodes say nothing.

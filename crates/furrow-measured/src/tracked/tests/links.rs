@@ -106,6 +106,39 @@ fn a_grandmother_is_no_mother() {
     assert_eq!((lineage.cells[1].mother, lineage.cells[2].mother, lineage.skipped_count), (Some(0), Some(0), 0));
 }
 
+/// Cells with each other's names: links below them are left out, and names that do not fit give none.
+#[test]
+fn cells_are_not_linked_by_names_past_a_gap() {
+    let lineage = named(&table(&[
+        (1, None, 1, "AB"),
+        (2, None, 1, "P1"),
+        (3, Some(1), 4, "EMS"),
+        (4, Some(1), 4, "P2"),
+        (5, Some(2), 2, "ABa"),
+        (6, Some(2), 2, "ABp"),
+    ]));
+    let right = [
+        ("AB", None, 1.0, Some(2.0), 1.0),
+        ("P1", None, 1.0, None, 1.0),
+        ("ABa", Some("AB"), 2.0, None, 2.0),
+        ("ABp", Some("AB"), 2.0, None, 2.0),
+        ("EMS", None, 4.0, None, 4.0),
+        ("P2", None, 4.0, None, 4.0),
+    ];
+    assert_eq!(lives(&lineage), right);
+}
+
+/// Where the sister has a daughter's name, the division is real.
+#[test]
+fn a_daughter_with_the_name_of_her_mother_ends_no_division() {
+    let lineage =
+        named(&table(&[(0, None, 0, "P0"), (1, Some(0), 1, "AB"), (2, Some(1), 2, "AB"), (3, Some(1), 2, "ABp")]));
+    let ab = lineage.cells.iter().find(|cell| cell.name == "AB" && cell.mother.is_some()).unwrap();
+    assert_eq!((ab.division, ab.daughters.len()), (Some(2.0), 1));
+    let why = "a link makes it a daughter of AB (line 3), and by its name it has the mother P0: names are used";
+    assert_eq!(reports(&lineage), [format!("4 name AB: {why}")]);
+}
+
 /// By name AB goes on in the branch that was followed further.
 #[test]
 fn a_cell_that_divides_into_itself_is_one_cell() {
