@@ -240,9 +240,11 @@ struct Times {
 }
 
 impl Times {
-    fn add(&mut self, minutes: Option<f64>, is_there: bool) {
-        self.minutes.extend(minutes);
-        self.has_gaps |= is_there && minutes.is_none();
+    /// Adds the minutes of a spot, which may be unknown or no number; `None` without a column of times.
+    fn add(&mut self, minutes: Option<Option<f64>>) {
+        let known = minutes.flatten().filter(|minutes| minutes.is_finite());
+        self.minutes.extend(known);
+        self.has_gaps |= minutes.is_some() && known.is_none();
     }
 
     /// Gives spots their minutes in place of frames, if later frames have later minutes.
@@ -312,11 +314,9 @@ fn read_spots(
         }
         let volume = radius.map(|radius| sphere_in(length, 2.0 * radius, options));
         let spot = spots.push(Spot { time, id: Some(id.into()), name: text(label), volume, file: 0, line });
-        let minutes = clock.and_then(|(at, size)| {
-            let time = of_times.read(row.get(at).unwrap_or_default().trim_ascii()).ok();
-            Some(time.filter(|time| time.is_finite())? * size)
-        });
-        times.add(minutes, clock.is_some());
+        let minutes =
+            clock.map(|(at, size)| of_times.read(row.get(at).unwrap_or_default().trim_ascii()).ok().map(|t| t * size));
+        times.add(minutes);
         if let Some(first) = ids.places.insert(id, spot) {
             let first = spots.get(first).line;
             let why = format!("ID = {id}: must be of one spot only; line {first} has it too");

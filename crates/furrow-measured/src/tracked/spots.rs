@@ -272,16 +272,7 @@ impl Spots {
         self.join();
         let mut order: Vec<usize> = (0..self.spots.len()).filter(|spot| !self.left_out.contains(spot)).collect();
         if order.is_empty() {
-            let file = self.files.first().cloned().unwrap_or_default();
-            let reason = self.skipped.first().map_or("it has no spots".to_owned(), |first| {
-                let Skipped { line, column, value, why, .. } = first;
-                format!("line {line}, {column}: {value:?}: {why}")
-            });
-            return Err(InputError::other_file(
-                file,
-                &format!("{} with a cell that can be used", format.name()),
-                reason,
-            ));
+            return Err(self.unusable(format));
         }
         order.sort_by_cached_key(|k| OrderedFloat(self.spots[*k].time));
         let mut cells: Vec<TrackedCell> = Vec::new();
@@ -327,6 +318,16 @@ impl Spots {
         let is_followed = counts.iter().any(|count| *count > 1);
         lineage.join_births(|last| if is_followed { frames.after(last) } else { f64::INFINITY });
         Ok(lineage)
+    }
+
+    /// The error for a file without a spot that can be used.
+    fn unusable(&self, format: Format) -> InputError {
+        let file = self.files.first().cloned().unwrap_or_default();
+        let reason = self.skipped.first().map_or("it has no spots".to_owned(), |first| {
+            let Skipped { line, column, value, why, .. } = first;
+            format!("line {line}, {column}: {value:?}: {why}")
+        });
+        InputError::other_file(file, &format!("{} with a cell that can be used", format.name()), reason)
     }
 
     /// Leaves out all sizes where the spots of mothers and daughters have one and the same: a detector gives it to every spot, and it is

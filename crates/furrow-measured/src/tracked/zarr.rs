@@ -189,13 +189,7 @@ pub(super) fn read(folder: &Path, rows: Rows) -> Result<Array, InputError> {
         let allowed = format!("of at most {} MB: the array's files have {held} bytes", most >> 20);
         return refused("chunks", chunks, &allowed);
     }
-    let (most, allowed) = match rows {
-        Rows::Exactly(rows) => (rows, format!("{rows} rows, one for each node")),
-        Rows::Ids => {
-            let most = layout.chunk[0].saturating_mul(files.len()).min(FEW.max(held.saturating_mul(DENSEST)));
-            (most, format!("at most {most} rows: the array's files have {held} bytes"))
-        }
-    };
+    let (most, allowed) = layout.most(rows, &files, held);
     if layout.shape[0] > most {
         return refused("shape", &document["shape"], &allowed);
     }
@@ -309,6 +303,17 @@ struct ChunkFile {
 }
 
 impl Layout {
+    /// Most rows, and how a larger number is refused. The files have `held` bytes.
+    fn most(&self, rows: Rows, files: &[ChunkFile], held: usize) -> (usize, String) {
+        match rows {
+            Rows::Exactly(rows) => (rows, format!("{rows} rows, one for each node")),
+            Rows::Ids => {
+                let most = self.chunk[0].saturating_mul(files.len()).min(FEW.max(held.saturating_mul(DENSEST)));
+                (most, format!("at most {most} rows: the array's files have {held} bytes"))
+            }
+        }
+    }
+
     /// The files of chunks. Chunks without a file are of fill values only: there may be very many.
     fn files(&self, folder: &Path) -> Result<Vec<ChunkFile>, InputError> {
         let mut found = Vec::new();
