@@ -8,6 +8,11 @@ use super::{TrackedCell, TrackedLineage};
 use crate::names::Names;
 use crate::volumes::note;
 
+/// What reports call the first time of a cell.
+fn column_of_times(cell: &str) -> String {
+    format!("first time of {cell}")
+}
+
 impl TrackedLineage {
     /// Leaves out the links that contradict names of the lineage's cells. Cells that lose a mother or a daughter by it are linked by their
     /// names, where these fit.
@@ -31,9 +36,18 @@ impl TrackedLineage {
         note(skipped, skipped_count, || cells[cell].unused(why));
     }
 
+    /// Withdraws the report of a cell's first time: the link that it is about is left out.
+    fn forget_times(&mut self, cell: usize) {
+        let TrackedCell { name, place: (file, line), .. } = &self.cells[cell];
+        let (column, before) = (column_of_times(name), self.skipped.len());
+        self.skipped.retain(|report| (&report.file, report.line, &report.column) != (file, *line, &column));
+        self.skipped_count -= (before - self.skipped.len()) as u64;
+    }
+
     /// Takes a cell from its mother.
     fn part_from_mother(&mut self, cell: usize) {
         let Some(mother) = self.cells[cell].mother.take() else { return };
+        self.cells[cell].birth = self.cells[cell].first;
         self.cells[mother].daughters.retain(|daughter| *daughter != cell);
         self.be_born_together(mother);
     }
@@ -41,7 +55,7 @@ impl TrackedLineage {
     /// Sisters are born at one division, when the first of them is seen.
     fn be_born_together(&mut self, mother: usize) {
         let daughters = self.cells[mother].daughters.clone();
-        let born = daughters.iter().map(|daughter| self.cells[*daughter].birth).reduce(f64::min);
+        let born = daughters.iter().map(|daughter| self.cells[*daughter].first).reduce(f64::min);
         self.cells[mother].division = born;
         for (daughter, born) in daughters.into_iter().zip(born.into_iter().cycle()) {
             self.cells[daughter].birth = born;
@@ -124,9 +138,10 @@ impl TrackedLineage {
             if !self.is_named(cell, names) || by_name.as_ref() == Some(&self.cells[mother].name) {
                 continue;
             }
+            let own = by_name.map_or("no mother".to_owned(), |mother| format!("the mother {mother}"));
+            self.forget_times(cell);
             let TrackedCell { name, place: (_, line), .. } = &self.cells[mother];
             let at = if *line > 0 { format!(" (line {line})") } else { String::new() };
-            let own = by_name.map_or("no mother".to_owned(), |mother| format!("the mother {mother}"));
             let why = format!("a link makes it a daughter of {name}{at}, and by its name it has {own}: names are used");
             self.report_link(cell, &why);
             self.part_from_mother(cell);
@@ -187,7 +202,7 @@ impl TrackedLineage {
     /// Reports the time of a cell's first spot.
     fn report_time(&mut self, cell: usize, seen: f64, why: &str) {
         let TrackedLineage { cells, skipped, skipped_count, .. } = self;
-        let (column, value) = (format!("first time of {}", cells[cell].name), seen.to_string());
+        let (column, value) = (column_of_times(&cells[cell].name), seen.to_string());
         note(skipped, skipped_count, || crate::volumes::Skipped { column, value, ..cells[cell].unused(why) });
     }
 }

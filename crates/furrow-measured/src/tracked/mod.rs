@@ -88,6 +88,9 @@ pub struct TrackedCell {
     pub daughters: Vec<usize>,
     /// The time of its first spot, or of its sister's, whichever is earlier.
     pub birth: f64,
+    /// The time of its first spot.
+    #[serde(skip)]
+    pub(crate) first: f64,
     /// The time of its first daughter's first spot; `None` if it was not seen to divide.
     pub division: Option<f64>,
     /// The time of its last spot.
@@ -353,7 +356,7 @@ pub fn read_tracked(path: &Path, options: &TrackOptions) -> Result<Option<Tracke
         lineage.time = TimeUnit::Minutes;
         lineage.frame *= minutes;
         for cell in &mut lineage.cells {
-            let times = [&mut cell.birth, &mut cell.last].into_iter().chain(&mut cell.division);
+            let times = [&mut cell.birth, &mut cell.first, &mut cell.last].into_iter().chain(&mut cell.division);
             times.for_each(|time| *time *= minutes);
         }
     }

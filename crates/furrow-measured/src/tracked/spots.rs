@@ -387,6 +387,7 @@ impl Spots {
             tracked: name.clone(),
             mother,
             birth: *time,
+            first: *time,
             last: *time,
             place: (self.files[*file].clone(), *line),
             ..TrackedCell::default()
