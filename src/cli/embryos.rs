@@ -27,9 +27,10 @@ pub struct MatchArgs {
     /// Cell of a tracked embryo and its name in the lineage; its descendants are named division by division. NAME alone refers to the
     /// only cell without a mother
     ///
-    /// The larger daughter gets the name of the larger founder, or the first letter; without sizes the daughter born first does, or
-    /// otherwise the one that comes first in the file. Names in --names, and names of the lineage that cells already have, take
-    /// precedence.
+    /// The larger daughter gets the name of the larger founder, or the first letter. If sizes are nearly equal or missing, the daughter
+    /// that divides first gets the name of the cell that is known to divide first. Otherwise founders stay without names, and of other
+    /// daughters the one that comes first in the file gets the first letter. Names in --names, and names of the lineage that cells already
+    /// have, take precedence.
     #[arg(long, value_name = "TRACKED=NAME")]
     root: Vec<String>,
 }

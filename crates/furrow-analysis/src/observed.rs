@@ -1,6 +1,6 @@
 //! Observed embryos as the cells that formats write.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use furrow_formats::exchange::{Kind, Sheet, SheetCell, SheetColumn};
@@ -71,7 +71,8 @@ impl Observed {
             let skipped_count = embryo.skipped_count + u64::from(sizes.is_some());
             let skipped = sizes.into_iter().chain(embryo.skipped.clone()).collect();
             let lineage = ObservedLineage::of_tracked(&embryo, names);
-            return Ok(Observed { lineage, matched: embryo.matched, skipped, skipped_count, warnings: Vec::new() });
+            let warnings = lineage.doubts_of_names(&embryo).into_iter().collect();
+            return Ok(Observed { lineage, matched: embryo.matched, skipped, skipped_count, warnings });
         }
         let allowed = "left out without volumes: it is the edge of their voxels";
         let is_used = voxel.is_none() || !volumes.is_empty();
@@ -129,14 +130,16 @@ pub struct ObservedLineage {
 }
 
 impl ObservedLineage {
-    /// The cells of an embryo that was followed.
+    /// The cells of an embryo that was followed. A second cell of a name gets a number behind it, as `AB#2`: formats of trees and graphs
+    /// have no two nodes of one name.
     pub fn of_tracked(embryo: &TrackedLineage, names: &Names) -> ObservedLineage {
         let mut cells: Vec<ObservedCell> = Vec::with_capacity(embryo.cells.len());
-        for cell in &embryo.cells {
+        let unique = unique_names(embryo);
+        for (cell, unique) in embryo.cells.iter().zip(unique) {
             let mut daughters: Vec<usize> = cell.daughters.clone();
             daughters.sort_by_cached_key(|daughter| !is_first(names, &embryo.cells[*daughter].name));
             cells.push(ObservedCell {
-                name: cell.name.clone(),
+                name: unique,
                 tracked: Some(cell.tracked.clone()).filter(|tracked| !tracked.is_empty()),
                 mother: cell.mother,
                 daughters: [daughters.first().copied(), daughters.get(1).copied()],
@@ -228,6 +231,16 @@ impl ObservedLineage {
         ObservedLineage { name: name.to_owned(), cells, time: TimeUnit::Minutes, volumes: unit }
     }
 
+    /// The report of cells of an embryo that got another name, since an earlier cell has theirs.
+    fn doubts_of_names(&self, embryo: &TrackedLineage) -> Option<String> {
+        let both = self.cells.iter().zip(&embryo.cells);
+        let changed: Vec<&str> =
+            both.filter(|(cell, tracked)| cell.name != tracked.name).map(|(cell, _)| cell.name.as_str()).collect();
+        let shown = listed(changed.iter().copied(), ", ");
+        let why = "cells have the name of another one and get a number behind it";
+        (!changed.is_empty()).then(|| format!("{} {why}: {shown}", changed.len()))
+    }
+
     /// Doubts about the births of cells from tables of lifetimes.
     fn doubts_of_births(&self, lifetimes: &Lifetimes) -> Vec<String> {
         let names = |is_so: &dyn Fn(&ObservedCell) -> bool| -> Vec<&str> {
@@ -317,6 +330,28 @@ fn column<'a>(
     SheetColumn { name, kind, note, may_miss: kind != Kind::Count, of: Box::new(of) }
 }
 
+/// The names of cells, each of one cell only.
+fn unique_names(embryo: &TrackedLineage) -> Vec<String> {
+    let names = || embryo.cells.iter().map(|cell| cell.name.as_str());
+    let taken: HashSet<&str> = names().collect();
+    let mut seen: HashMap<&str, usize> = HashMap::new();
+    let mut unique = Vec::with_capacity(embryo.cells.len());
+    for name in names() {
+        let count = seen.entry(name).or_default();
+        *count += 1;
+        let mut own = name.to_owned();
+        if *count > 1 {
+            own = format!("{name}#{count}");
+            while taken.contains(own.as_str()) {
+                *count += 1;
+                own = format!("{name}#{count}");
+            }
+        }
+        unique.push(own);
+    }
+    unique
+}
+
 /// Whether a cell is named before its sister.
 fn is_first(names: &Names, cell: &str) -> bool {
     names.birth(cell).is_some_and(|(_, _, is_first)| is_first)
@@ -365,6 +400,26 @@ mod tests {
         let (times, warnings) = read("cell,lifetime_min,birth_min\nP0,10,\nAB,16,12\nABa,17,\n");
         let right = [("P0", None), ("AB", Some((12.0, 28.0))), ("ABa", Some((28.0, 45.0)))];
         assert_eq!((times, warnings.len()), (named(&right), 1));
+    }
+
+    /// No two nodes of a graph have one name, and the warning names the cell with another one.
+    #[test]
+    fn a_second_cell_of_a_name_has_a_name_of_its_own() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        let rows = "0,,0,P0\n1,0,1,AB\n2,,2,AB\n3,0,1,P1\n4,2,3,ABa\n5,2,3,ABp\n";
+        let table: String = rows.lines().map(|row| format!("{row},1,1\n")).collect();
+        std::fs::write(&path, format!("id,parent_id,t,name,y,x\n{table}")).unwrap();
+        let Observed { lineage, warnings, .. } = Observed::read(&path, &ObservedOptions::default()).unwrap();
+        let mut names: Vec<&str> = lineage.cells.iter().map(|cell| cell.name.as_str()).collect();
+        names.sort_unstable();
+        assert_eq!(names, ["AB", "AB#2", "ABa", "ABp", "P0", "P1"]);
+        assert_eq!(warnings, ["1 cells have the name of another one and get a number behind it: AB#2"]);
+        let known = Names::default();
+        let sheet = lineage.sheet(&[], &known);
+        let mothers = sheet.columns.iter().find(|column| column.name == "mother").unwrap();
+        let aba = lineage.cells.iter().position(|cell| cell.name == "ABa").unwrap();
+        assert_eq!((mothers.of)(aba).as_deref(), Some("AB#2"));
     }
 
     /// The lineage file has the same numbers of terminal cells by founder, and the table the same births and divisions.

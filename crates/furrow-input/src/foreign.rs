@@ -78,20 +78,48 @@ fn is_newick(text: &str) -> bool {
         .is_some_and(|rest| rest.split(')').next().is_some_and(|first| first.contains(['(', ',', ':'])))
 }
 
-/// Whether these are tracks of the Cell Tracking Challenge: lines of four whole numbers with blanks or tabs between them.
+/// Whether these are tracks of the Cell Tracking Challenge: lines of four whole numbers with blanks, tabs or commas between them, perhaps
+/// below the heading `L B E P`. NumPy may write numbers as `1.0e+00`.
 pub fn is_ctc(text: &str) -> bool {
-    let mut lines = text.split(['\n', '\r']).filter(|line| !line.is_empty()).peekable();
-    let (mut count, whole) = (0, |word: &str| word.bytes().all(|byte| byte.is_ascii_digit()));
+    let mut lines = lines_below(text).peekable();
+    let whole = |word: &str| word.parse().is_ok_and(|number: f64| number >= 0.0 && number.fract() == 0.0);
+    let mut count = 0;
     while let Some(line) = lines.next() {
-        let words: Vec<&str> = line.split_whitespace().collect();
+        let words: Vec<&str> = ctc_words(line).collect();
         // The last line may be cut off.
         let is_cut = lines.peek().is_none() && count > 0;
-        if !(words.len() == 4 || is_cut) || line.contains([',', ';']) || !words.into_iter().all(whole) {
+        let of_number = |c: char| c.is_ascii_digit() || c.is_whitespace() || ".,;eE+-".contains(c);
+        let is_fine =
+            if is_cut { line.chars().all(of_number) } else { words.len() == 4 && words.into_iter().all(whole) };
+        if !is_fine {
             return false;
         }
         count += 1;
     }
     count > 0
+}
+
+/// Whether the lines below a heading `L B E P` hold numbers only, as those of tracks of the Cell Tracking Challenge.
+pub fn has_only_numbers(text: &str) -> bool {
+    let mut lines = lines_below(text).peekable();
+    let is_number = |word: &str| word.parse::<f64>().is_ok();
+    lines.peek().is_some() && lines.all(|line| ctc_words(line).all(is_number))
+}
+
+/// The words of a line of tracks of the Cell Tracking Challenge.
+pub fn ctc_words(line: &str) -> impl Iterator<Item = &str> {
+    line.split(|c: char| c.is_whitespace() || c == ',' || c == ';').filter(|word| !word.is_empty())
+}
+
+/// Whether a line is the heading `L B E P` of tracks of the Cell Tracking Challenge.
+pub fn is_ctc_heading(line: &str) -> bool {
+    ctc_words(line.trim_start_matches('#')).map(str::to_lowercase).eq(["l", "b", "e", "p"])
+}
+
+/// The lines that are not empty, below a heading of tracks of the Cell Tracking Challenge.
+fn lines_below(text: &str) -> impl Iterator<Item = &str> {
+    let lines = text.split(['\n', '\r']).filter(|line| !line.trim().is_empty());
+    lines.skip_while(|line| is_ctc_heading(line))
 }
 
 /// Refuses an archive without files of nuclei, by the names in it.

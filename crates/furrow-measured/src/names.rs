@@ -3,6 +3,7 @@
 //! # References
 //! Sulston, Schierenberg, White & Thomson, *Dev. Biol.* 100, 64 (1983).
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use furrow_input::table::split_unit;
@@ -157,6 +158,8 @@ pub struct Names {
     letters: (char, char),
     /// Whether Sulston's names come first: the lineage has his founders.
     of_worm: bool,
+    /// Lifetimes that the lineage gives, in minutes.
+    lifetimes: Arc<BTreeMap<String, f64>>,
     /// How cells with other names are matched to these.
     matching: Option<Arc<Matching>>,
 }
@@ -169,7 +172,18 @@ impl Names {
             mother.is_some_and(|mother| founders[mother].name == other)
         };
         let of_worm = [("AB", "P0"), ("P1", "P0")].into_iter().all(is_of);
-        Names { founders, letters, of_worm, matching: None }
+        Names { founders, letters, of_worm, lifetimes: Arc::default(), matching: None }
+    }
+
+    /// These names, with the lifetimes of cells in minutes that the lineage gives: they show which of two sisters divides first.
+    #[must_use]
+    pub fn with_lifetimes(self, lifetimes: BTreeMap<String, f64>) -> Names {
+        Names { lifetimes: Arc::new(lifetimes), ..self }
+    }
+
+    /// The lifetime of a cell that the lineage gives.
+    pub(crate) fn lifetime(&self, name: &str) -> Option<f64> {
+        self.lifetimes.get(name).copied()
     }
 
     /// These names, with a matching of other names. Clones share the record of names that were met.

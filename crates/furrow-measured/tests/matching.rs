@@ -92,7 +92,7 @@ fn bys(matched: &Matched) -> Vec<(&str, By)> {
 }
 
 #[test]
-fn cells_below_a_root_are_matched_by_size_then_birth_then_order() {
+fn cells_below_a_root_are_matched_by_size_then_descendants_then_order() {
     let files = Files::new();
     // ID1 is the only cell without a mother that divides.
     for root in ["egg", "ID1=egg", "2=egg"] {
@@ -105,19 +105,115 @@ fn cells_below_a_root_are_matched_by_size_then_birth_then_order() {
         let chi = matched.divisions[0].chi.unwrap();
         assert!((chi - (729.0 - 216.0) / (729.0 + 216.0)).abs() < 1e-12, "{chi}");
     }
-    // The daughters of the egg are nearly equal. ID4 has more generations below it, and so has the founder animal.
-    let text = "LABEL,ID,FRAME,RADIUS\nID11,11,9,2\nID12,12,9,2\n";
-    files.write("e_spots.csv", &(SPOTS.replace("ID4,4,2,6", "ID4,4,2,8.9") + &text[text.find("ID11").unwrap()..]));
-    files.write("e_edges.csv", &format!("{EDGES}5,11\n5,12\n"));
+    // The daughters of the egg are nearly equal, and only the smaller one, ID3, divides, twice: so does the founder animal, of which the
+    // lineage lists daughters.
+    let text = "LABEL,ID,FRAME,RADIUS\nID11,11,9,2\nID12,12,9,2\nID14,14,9,9.1\n";
+    let spots = SPOTS.replace("ID4,4,2,6", "ID4,4,2,9.1") + &text[text.find("ID11").unwrap()..];
+    files.write("e_spots.csv", &spots.replace("ID7,7,4,3\nID8,8,5,4\nID10,10,6,4\n", ""));
+    files.write("e_edges.csv", &(EDGES.replace("4,7\n4,8\n8,10\n", "4,14\n") + "5,11\n5,12\n"));
     let embryo = files.embryo(None, &["egg"]).unwrap();
     let matched = embryo.matched.as_ref().unwrap();
-    assert_eq!(bys(matched)[..2], [("egg", By::Descendants), ("animal", By::Order)]);
+    assert_eq!(bys(matched), [("egg", By::Descendants)]);
+    // A1 and A2 are founders of equal sizes.
+    assert_eq!(matched.unmatched[0].mother, "animal");
     assert_eq!(matched.divisions[0].tracked_daughters, ["ID4", "ID3"]);
-    files.write("e_edges.csv", EDGES);
-    files.write("e_spots.csv", &SPOTS.replace("ID7,7,4,3", "ID7,7,4,4"));
-    let embryo = files.embryo(None, &["egg"]).unwrap();
-    assert_eq!(bys(embryo.matched.as_ref().unwrap())[2], ("animal", By::Births));
-    assert_eq!(named(&embryo)[6..], ["A1", "A2"]);
+}
+
+/// A recording of the Cell Tracking Challenge.
+fn ctc(files: &Files, tracks: &str) -> PathBuf {
+    fs::create_dir_all(files.folder.path().join("film")).unwrap();
+    files.write("film/res_track.txt", tracks);
+    files.folder.path().join("film")
+}
+
+/// Names of the worm, with a root.
+fn of_worm(root: &str) -> Names {
+    Names::default().matched_by(Matching::read(None, &[root.to_owned()], "--root").unwrap()).unwrap()
+}
+
+#[test]
+fn without_sizes_the_order_of_divisions_decides() {
+    let files = Files::new();
+    let read = |tracks: &str| {
+        let path = ctc(&files, tracks);
+        let embryo = read_embryo(&path, &TrackOptions::default(), &of_worm("1=P0")).unwrap();
+        let lives: Vec<(String, Option<f64>)> =
+            embryo.cells.iter().map(|cell| (cell.name.clone(), cell.lifetime())).collect();
+        (lives, embryo.matched.unwrap())
+    };
+    // AB divides before P1, which is followed until then.
+    for tracks in
+        ["1 0 0 0\n2 1 15 1\n3 1 16 1\n4 16 16 2\n5 16 16 2\n", "1 0 0 0\n3 1 16 1\n2 1 15 1\n4 16 16 2\n5 16 16 2\n"]
+    {
+        let (lives, matched) = read(tracks);
+        assert!(
+            lives.contains(&("AB".to_owned(), Some(15.0))) && lives.contains(&("P1".to_owned(), None)),
+            "{lives:?}"
+        );
+        assert_eq!(bys(&matched), [("P0", By::Divisions), ("AB", By::Order)]);
+        let text = matched.to_string();
+        assert!(text.contains("  daughters of 1 by the order of their divisions: P0\n"), "{text}");
+        assert!(text.contains("  daughters of 1 by their order in the file: AB\n"), "{text}");
+    }
+    // The other daughter is lost before, both are lost, or both divide in one frame: nothing tells AB from P1.
+    for tracks in [
+        "1 0 0 0\n2 1 15 1\n3 1 12 1\n4 16 16 2\n5 16 16 2\n",
+        "1 0 0 0\n2 1 15 1\n3 1 15 1\n",
+        "1 0 0 0\n2 1 15 1\n3 1 15 1\n4 16 16 2\n5 16 16 2\n6 16 16 3\n7 16 16 3\n",
+    ] {
+        let matched = read(tracks).1;
+        assert_eq!((bys(&matched), matched.unmatched[0].mother.as_str()), (vec![], "P0"));
+        let why = "sizes and divisions do not show which is AB and which is P1: a table of names (--names) can";
+        assert_eq!(matched.unmatched[0].why, why);
+    }
+}
+
+/// Sulston's chart up to a minute, as tracks in any order: each cell's name by its label.
+fn cut(end: u32, is_turned: bool) -> (String, Vec<String>) {
+    let rows: Vec<(&str, &str, u32)> = furrow_measured::published::SULSTON
+        .lines()
+        .filter_map(|line| {
+            let fields: Vec<&str> = line.split(',').collect();
+            Some((*fields.first()?, *fields.get(1)?, fields.get(2)?.parse().ok()?))
+        })
+        .filter(|(.., birth)| *birth < end)
+        .collect();
+    let label = |name: &str| rows.iter().position(|(cell, ..)| *cell == name).map_or(0, |at| at + 1);
+    let line = |(cell, mother, birth): &(&str, &str, u32)| {
+        let divides = rows.iter().find(|(_, mother, _)| mother == cell).map_or(end, |(.., birth)| *birth);
+        format!("{} {birth} {} {}\n", label(cell), divides - 1, label(mother))
+    };
+    let mut lines: Vec<String> = rows.iter().map(line).collect();
+    if is_turned {
+        lines.reverse();
+    }
+    (lines.concat(), rows.iter().map(|(cell, ..)| (*cell).to_owned()).collect())
+}
+
+/// The recording has no sizes. A founder gets her own name or none, whatever the order of the tracks.
+#[test]
+fn founders_in_sulstons_chart_cut_at_any_minute_get_no_wrong_names() {
+    let files = Files::new();
+    for (end, is_turned, named) in
+        [(30, false, 1), (61, true, 3), (75, true, 3), (105, false, 5), (150, true, 5), (200, false, 5), (300, true, 5)]
+    {
+        let (tracks, names) = cut(end, is_turned);
+        let embryo = read_embryo(&ctc(&files, &tracks), &TrackOptions::default(), &of_worm("1=P0")).unwrap();
+        let founders = ["P0", "AB", "P1", "EMS", "P2", "MS", "E", "C", "P3", "D", "P4"];
+        let mut right = 0;
+        for cell in &embryo.cells {
+            let own = &names[cell.tracked.parse::<usize>().unwrap() - 1];
+            let is_named = cell.name != cell.tracked;
+            if is_named && (founders.contains(&own.as_str()) || founders.contains(&cell.name.as_str())) {
+                assert_eq!(&cell.name, own, "{end}");
+                right += 1;
+            }
+            // Letters depend on the order of tracks, founders do not.
+            let founder = |name: &str| furrow_measured::names::founder(name).map(str::to_owned);
+            assert!(!is_named || founder(&cell.name) == founder(own), "{end} {own} {}", cell.name);
+        }
+        assert_eq!(right, named, "{end}");
+    }
 }
 
 #[test]
@@ -143,7 +239,7 @@ fn a_table_gives_names_and_decides_which_daughter_is_which() {
         ),
         "{text}"
     );
-    assert!(text.contains("  daughters of 2 by names\n  daughters of 1 by sizes\n"), "{text}");
+    assert!(text.contains("  daughters of 2 by names: egg, animal\n  daughters of 1 by sizes: vegetal\n"), "{text}");
 }
 
 #[test]

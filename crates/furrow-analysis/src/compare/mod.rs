@@ -18,6 +18,8 @@ pub mod noise;
 pub mod volumes;
 pub mod volumes_comparison;
 
+use std::collections::BTreeMap;
+
 use furrow_lineage::{Daughter, Lineage};
 use furrow_measured::names::{NamedFounder, Names};
 
@@ -30,4 +32,17 @@ pub fn names_of(lineage: &Lineage) -> Names {
         letters: founder.letters.clone(),
     };
     Names::of(lineage.founders.iter().enumerate().map(founder).collect(), lineage.naming)
+        .with_lifetimes(known_lifetimes(lineage))
+}
+
+/// Lifetimes that a lineage gives without a tree: of single cells, and of founders where they do not depend on sizes.
+fn known_lifetimes(lineage: &Lineage) -> BTreeMap<String, f64> {
+    let Some(clock) = &lineage.clock else { return BTreeMap::new() };
+    let law = |(k, founder): (usize, &furrow_lineage::Founder)| {
+        let law = lineage.lifetime_law(k).filter(|law| law.exponent == 0.0 && clock.tau_min.is_none())?;
+        Some((founder.name.clone(), law.lifetime_min))
+    };
+    let mut known: BTreeMap<String, f64> = lineage.founders.iter().enumerate().filter_map(law).collect();
+    known.extend(clock.lifetimes.iter().flatten().map(|(name, minutes)| (name.clone(), *minutes)));
+    known
 }

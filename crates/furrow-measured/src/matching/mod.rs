@@ -4,13 +4,15 @@
 //! |---|---|
 //! | `map` | tables that give tracked cells their names |
 //! | `topology` | the cells below a root: which daughter is which |
+//! | `order` | which of two sisters divides first |
 //! | `report` | how cells were matched, as data and as text |
 //!
 //! A table names single cells. A root is a tracked cell with a name; the cells below it get theirs by their divisions: of two daughters
-//! the larger one gets the name of the larger founder, or the first letter. Of two that are nearly equal, the one with more generations below
-//! her gets the name with more founders below it.
+//! the larger one gets the name of the larger founder, or the first letter. Of two that are nearly equal or have no sizes, the one that
+//! divides first gets the name of the cell that is known to divide first.
 
 mod map;
+mod order;
 mod report;
 mod topology;
 

@@ -11,22 +11,23 @@ use serde::Serialize;
 pub enum By {
     /// A daughter has a name of her own, or one that a table gives.
     Names,
-    /// Sizes are nearly equal or not known: the one with more generations below her is the founder with more listed ones.
+    /// Sizes are nearly equal or not known: the one that divides first is the cell with the shorter lifetime.
+    Divisions,
+    /// The order of divisions is not known: only one of them divides, and has all the generations of founders that the lineage lists
+    /// below one of the names.
     Descendants,
     /// The larger one is the larger founder, or has the first letter.
     Sizes,
-    /// Sizes are equal or not known: the one born first takes the place of the larger one.
-    Births,
-    /// Births are equal too: the one that comes first in the file does.
+    /// Nothing distinguishes the names but their letters: the one that comes first in the file has the first letter.
     Order,
 }
 
 impl By {
     const ALL: [(By, &'static str); 5] = [
         (By::Names, "by names"),
+        (By::Divisions, "by the order of their divisions"),
         (By::Descendants, "by their descendants"),
         (By::Sizes, "by sizes"),
-        (By::Births, "by births"),
         (By::Order, "by their order in the file"),
     ];
 }
@@ -103,17 +104,19 @@ impl fmt::Display for Matched {
         }
         for (by, words) in By::ALL {
             let of = || divisions.iter().filter(|division| division.by == by);
-            let count = of().count();
-            if count > 0 {
-                write!(f, "  daughters of {count} {words}")?;
-                let near =
-                    of().filter(|division| by == By::Sizes && division.chi.is_some_and(|chi| chi < NEARLY_EQUAL));
-                let near: Vec<String> = near.map(|MatchedDivision { mother, .. }| mother.clone()).collect();
+            let those = |near: bool| {
+                let near = of().filter(|division| !near || division.chi.is_some_and(|chi| chi < NEARLY_EQUAL));
+                near.map(|division| division.mother.as_str()).collect::<Vec<_>>()
+            };
+            let all = those(false);
+            if !all.is_empty() {
+                write!(f, "  daughters of {} {words}: {}", all.len(), listed(all.iter().copied(), ", "))?;
+                let near = if by == By::Sizes { those(true) } else { Vec::new() };
                 if !near.is_empty() {
-                    let those = listed(near.iter().map(String::as_str), ", ");
+                    let shown = listed(near.iter().copied(), ", ");
                     write!(
                         f,
-                        ", {} of them nearly equal (χ below {NEARLY_EQUAL}), where noise may decide: {those}",
+                        "; {} of them nearly equal (χ below {NEARLY_EQUAL}), where noise may decide: {shown}",
                         near.len()
                     )?;
                 }

@@ -4,19 +4,22 @@ use std::sync::atomic::Ordering;
 
 use furrow_input::{InputError, listed, shown};
 
+use super::order::Lives;
 use super::report::{By, Matched, MatchedDivision, MatchedRoot, NEARLY_EQUAL, Unmatched};
 use super::{Matching, Root};
 use crate::names::Names;
 use crate::tracked::{Place, TrackedCell, TrackedLineage};
 
 impl TrackedLineage {
-    /// Gives cells the names that the matching of `names` finds for them, and notes how. Other cells keep their names.
+    /// Leaves out links that contradict names of the lineage's cells, then gives cells the names that the matching of `names` finds for
+    /// them, and notes how. Other cells keep their names.
     ///
     /// # Errors
     /// A tracked name of several cells, two names of one cell, or a root without its tracked name where several cells have no mother.
     pub fn match_names(&mut self, names: &Names) -> Result<(), InputError> {
+        self.follow_names(names);
         let Some(matching) = names.matching() else { return Ok(()) };
-        let mut found = Search::of(self, names, matching);
+        let mut found = Search::of(self, names, matching)?;
         found.name_by_table()?;
         found.name_roots()?;
         found.name_below();
@@ -51,16 +54,18 @@ struct Search<'a> {
     reached: Vec<bool>,
     /// Generations that were followed below each cell.
     generations: Vec<u32>,
+    lives: Lives<'a>,
     matched: Matched,
 }
 
 impl<'a> Search<'a> {
-    fn of(embryo: &'a TrackedLineage, names: &'a Names, matching: &'a Matching) -> Search<'a> {
+    fn of(embryo: &'a TrackedLineage, names: &'a Names, matching: &'a Matching) -> Result<Search<'a>, InputError> {
         let own = |cell: &TrackedCell| names.has(&cell.name).then(|| cell.name.clone());
         let given = embryo.cells.iter().map(own).collect();
         let (reached, matched) =
             (vec![false; embryo.cells.len()], Matched { embryo: embryo.name.clone(), ..Matched::default() });
-        Search { embryo, names, matching, given, reached, generations: generations(embryo), matched }
+        let (generations, lives) = (generations(embryo), Lives::of(names)?);
+        Ok(Search { embryo, names, matching, given, reached, generations, lives, matched })
     }
 
     /// A cell's name in the file of the tracking program.
@@ -153,7 +158,19 @@ impl<'a> Search<'a> {
             count += cells[cell].daughters.len();
             left.extend(&cells[cell].daughters);
         }
-        format!("{} ({count} descendants)", cells[first].name)
+        format!("{} ({count} descendants)", self.handle(first))
+    }
+
+    /// A text that stands for this cell only: its name, or else a name or id of one of its spots.
+    fn handle(&self, cell: usize) -> &str {
+        let embryo = self.embryo;
+        let is_own = |text: &str| embryo.place_of(text) == Place::Cell(cell);
+        let name = embryo.cells[cell].name.as_str();
+        if is_own(name) {
+            return name;
+        }
+        let spots = embryo.spots.iter().filter(|(text, of)| **of == Some(cell) && is_own(text));
+        spots.map(|(text, _)| text.as_str()).min().unwrap_or(name)
     }
 
     /// Names the daughters of each cell below a root; mothers come before daughters.
@@ -191,7 +208,7 @@ impl<'a> Search<'a> {
         let known = [one, other].map(|cell| self.given[cell].as_deref());
         let of = |name: Option<&str>| name.map(|name| daughters.iter().position(|daughter| daughter == name));
         let (cells, by) = match known.map(of) {
-            [None, None] => self.by_looks(&daughters, [one, other]),
+            [None, None] => self.by_looks(&daughters, [one, other])?,
             [Some(Some(first)), None] => (ordered(first == 1), By::Names),
             [None, Some(Some(second))] => (ordered(second == 0), By::Names),
             [Some(Some(first)), Some(Some(second))] if first != second => (ordered(first == 1), By::Names),
@@ -204,23 +221,59 @@ impl<'a> Search<'a> {
     }
 
     /// Two sisters without names, in the order of the names.
-    fn by_looks(&self, daughters: &[String; 2], [one, other]: [usize; 2]) -> ([usize; 2], By) {
-        let births = [one, other].map(|cell| self.embryo.cells[cell].birth);
-        let volumes = self.volumes([one, other]);
+    fn by_looks(&self, daughters: &[String; 2], sisters: [usize; 2]) -> Result<([usize; 2], By), String> {
+        let [one, other] = sisters;
+        let ordered = |is_turned: bool| if is_turned { [other, one] } else { sisters };
+        let volumes = self.volumes(sisters);
         let is_unequal = volumes.is_some_and(|[a, b]| (a - b).abs() >= NEARLY_EQUAL * (a + b));
+        let by_sizes = volumes.filter(|[a, b]| a != b).map(|[a, b]| (ordered(a < b), By::Sizes));
+        if let Some(found) = by_sizes.filter(|_| is_unequal) {
+            return Ok(found);
+        }
+        if let Some((named, seen)) = self.lives.first(daughters).zip(self.first_to_divide(sisters)) {
+            return Ok((ordered(named != seen), By::Divisions));
+        }
         let listed = [0, 1].map(|k| self.names.listed_generations(&daughters[k]));
-        let followed = [one, other].map(|cell| self.generations[cell]);
-        if !is_unequal && listed[0] != listed[1] && followed[0] != followed[1] {
-            let is_turned = (listed[0] > listed[1]) != (followed[0] > followed[1]);
-            return (if is_turned { [other, one] } else { [one, other] }, By::Descendants);
+        let divides = |place: usize| self.alone_divides(sisters[place], sisters[1 - place], listed[0].max(listed[1]));
+        if let (true, Some(seen)) = (listed[0] != listed[1], [0, 1].into_iter().find(|place| divides(*place))) {
+            return Ok((ordered((listed[1] > listed[0]) != (seen == 1)), By::Descendants));
         }
-        match volumes {
-            Some([a, b]) if a != b => (if a > b { [one, other] } else { [other, one] }, By::Sizes),
-            _ if births[0] != births[1] => {
-                (if births[0] < births[1] { [one, other] } else { [other, one] }, By::Births)
-            }
-            _ => (self.in_file([one, other]), By::Order),
+        if let Some(found) = by_sizes {
+            return Ok(found);
         }
+        // Founders differ in more than the order of their letters.
+        if daughters.iter().any(|name| self.names.founder(name) == Some(name.as_str())) {
+            let [first, second] = daughters;
+            return Err(format!(
+                "sizes and divisions do not show which is {first} and which is {second}: a table of names (--names) can"
+            ));
+        }
+        Ok((self.in_file(sisters), By::Order))
+    }
+
+    /// The place of the sister that was seen to divide before the other one, which was followed at least until then.
+    fn first_to_divide(&self, sisters: [usize; 2]) -> Option<usize> {
+        let [one, other] = sisters.map(|cell| &self.embryo.cells[cell]);
+        match (one.division, other.division) {
+            (Some(a), Some(b)) if a != b => Some(usize::from(b < a)),
+            (Some(a), None) if other.last >= a => Some(0),
+            (None, Some(b)) if one.last >= b => Some(1),
+            _ => None,
+        }
+    }
+
+    /// Whether a cell has this many generations below it, at least two, while its sister was followed and did not divide.
+    fn alone_divides(&self, cell: usize, sister: usize, generations: u32) -> bool {
+        let cells = &self.embryo.cells;
+        let needed = generations.max(2);
+        if self.generations[cell] < needed || !cells[sister].daughters.is_empty() {
+            return false;
+        }
+        let mut below = vec![cell];
+        for _ in 0..needed {
+            below = below.into_iter().flat_map(|cell| cells[cell].daughters.iter().copied()).collect();
+        }
+        below.into_iter().any(|cell| cells[cell].birth <= cells[sister].last)
     }
 
     /// The cells in the order of the file.

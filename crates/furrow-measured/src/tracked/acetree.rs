@@ -144,7 +144,9 @@ fn read_frame(spots: &mut Spots, frame: u32, text: &[u8], options: &TrackOptions
         let is_valid = number(valid.as_bytes()).ok_or_else(|| refused(&name, line, 1, &valid, "0 or 1"))? >= 1.0;
         let nucleus = if is_valid {
             let (given, found) = (text_at(row, ASSIGNED), text_at(row, 9));
-            let cell = if given.is_empty() { found } else { given };
+            // A nucleus without a name is called by its frame and number, so that it can be named as a root.
+            let place = || format!("{frame}:{index}");
+            let cell = [given, found].into_iter().find(|name| !name.is_empty()).unwrap_or_else(place);
             let size = text_at(row, 8);
             let diameter = number(size.as_bytes()).filter(|size| *size > 0.0 && *size < 1e30);
             if diameter.is_none() {

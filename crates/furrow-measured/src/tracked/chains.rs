@@ -22,8 +22,10 @@ pub(super) struct Chain {
 pub(super) enum Only {
     /// The only daughter that was followed.
     Daughter,
-    /// The same cell as its mother after a gap.
+    /// The same cell as its mother.
     SameCell,
+    /// The same cell as its mother after a gap of a frame or more, else the only daughter.
+    SameCellAfterGap,
 }
 
 /// Links the spots of each chain, and its first one to the last of its mother. `time` is the name of the column of times, `only` is
@@ -61,7 +63,7 @@ pub(super) fn link(
             let why = format!("it is born while its mother {} is still there, until time {until}", mother.name);
             spots.skip(file, line, time, &born.to_string(), why);
         }
-        if only == Only::Daughter {
+        if only == Only::Daughter || only == Only::SameCellAfterGap && born <= until + 1.0 {
             spots.part(*last);
         }
     }

@@ -1,5 +1,6 @@
 //! Tracks of the Cell Tracking Challenge. A line has a label, the first frame, the last frame, and the mother's label, or 0 without a
-//! mother.
+//! mother. A track that comes from another one, alone and after a gap, is the same cell. Alone and without a gap it is a daughter: its
+//! sister was lost.
 //!
 //! # References
 //! <https://celltrackingchallenge.net>: naming and file content conventions.
@@ -7,6 +8,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use furrow_input::foreign::{ctc_words, is_ctc_heading};
 use furrow_input::table::malformed;
 use furrow_input::{InputError, read_text};
 
@@ -19,6 +21,23 @@ use crate::volumes::Unit;
 /// Where a folder of images and tracks has its tracks.
 pub(super) const IN_FOLDER: [&str; 4] = ["man_track.txt", "res_track.txt", "TRA/man_track.txt", "TRA/res_track.txt"];
 
+/// What a line of such a file is.
+pub(super) const LINE: &str = "four whole numbers: label, first and last frame, mother or 0";
+
+/// Whether a file is called as such a file.
+pub(super) fn is_called_so(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| IN_FOLDER.iter().any(|known| name == *known))
+}
+
+/// A whole number from 0, which NumPy may write as `1.0e+00`.
+fn whole_number(word: &str) -> Option<u64> {
+    let as_float = || {
+        let number: f64 = word.parse().ok()?;
+        (number.fract() == 0.0 && (0.0..9e15).contains(&number)).then_some(number as u64)
+    };
+    whole(word.as_bytes()).or_else(as_float)
+}
+
 pub(super) fn read(path: &Path, embryo: String) -> Result<TrackedLineage, InputError> {
     let file = path.display().to_string();
     let text = read_text(path)?.replace("\r\n", "\n").replace('\r', "\n");
@@ -26,13 +45,12 @@ pub(super) fn read(path: &Path, embryo: String) -> Result<TrackedLineage, InputE
     let (mut chains, mut mothers, mut places) = (Vec::new(), Vec::new(), HashMap::new());
     let (mut rows, mut has_gaps) = (FirstRows::new(), false);
     let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-    for (line, row) in lines.map(|(k, row)| (k + 1, row)) {
-        let numbers: Option<Vec<u64>> = row.split_whitespace().map(|word| whole(word.as_bytes())).collect();
+    for (line, row) in lines.skip_while(|(_, line)| is_ctc_heading(line)).map(|(k, row)| (k + 1, row)) {
+        let numbers: Option<Vec<u64>> = ctc_words(row).map(whole_number).collect();
         let Some([label, first, last, mother]) =
             numbers.as_deref().and_then(|numbers| <[u64; 4]>::try_from(numbers).ok())
         else {
-            let why = "must be four whole numbers: label, first and last frame, mother or 0";
-            spots.skip(&file, line as u64, "line", row, why);
+            spots.skip(&file, line as u64, "line", row, format!("must be {LINE}"));
             has_gaps = true;
             continue;
         };
@@ -70,6 +88,6 @@ pub(super) fn read(path: &Path, embryo: String) -> Result<TrackedLineage, InputE
             (None, false) => return Err(malformed(&file, line, format!("mother = {mother}: {allowed}"))),
         }
     }
-    chains::link(&mut spots, &mut chains, (&file, "first frame"), Only::SameCell)?;
+    chains::link(&mut spots, &mut chains, (&file, "first frame"), Only::SameCellAfterGap)?;
     spots.lineage(embryo, Format::Ctc, TimeUnit::Frames, Unit::Voxels)
 }

@@ -1,7 +1,8 @@
 //! GEFF: a graph of spots or cells as Zarr arrays.
 //!
 //! Read are the nodes' ids, the edges, the property of the time axis, names (`name`, else `label`), and sizes: the radius that the
-//! metadata name as `sphere`, or the property `radius`, or `volume` without a unit. The rest is left aside.
+//! metadata name as `sphere`, or the property `radius`, or `volume`. Values of scaled axes are multiplied by their scale. The rest is
+//! left aside.
 //!
 //! # References
 //! <https://live-image-tracking-tools.github.io/geff>.
@@ -11,33 +12,13 @@ use std::fs;
 use std::path::Path;
 
 use furrow_input::InputError;
-use furrow_input::table::{NamedUnit, TIMES, unit_of, units_listed};
 use serde_json::Value;
 
-use super::lengths::{
-    LENGTHS, LengthUnit, PIXELS, SizeUnit, known_length_unit, sphere_in, unit_of_bare, unit_of_spheres,
-};
+use super::lengths::{LengthUnit, PIXELS, SizeUnit, sphere_in, unit_of_bare, unit_of_spheres};
 use super::spots::{Spot, Spots};
 use super::zarr::{self, Array, Rows, Values};
-use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of};
+use super::{Format, TrackOptions, TrackedLineage, embryo_of, geff_units};
 use crate::volumes::Unit;
-
-/// Further units of time, beside the units of tables; each in minutes, except for frames.
-const MORE_TIMES: [NamedUnit<TimeUnit>; 3] = [
-    NamedUnit {
-        kind: TimeUnit::Minutes,
-        size: 1.0 / 60_000.0,
-        words: &["ms", "msec", "msecs", "millisecond", "milliseconds"],
-    },
-    NamedUnit { kind: TimeUnit::Minutes, size: 1440.0, words: &["d", "day", "days"] },
-    NamedUnit { kind: TimeUnit::Frames, size: 1.0, words: &["frame", "frames", "timepoint", "timepoints"] },
-];
-
-/// The length of a unit of time, in minutes or frames.
-fn time_unit(text: &str) -> Option<(f64, TimeUnit)> {
-    let of_tables = unit_of(text, &TIMES).map(|unit| (unit.size, TimeUnit::Minutes));
-    of_tables.or_else(|| unit_of(text, &MORE_TIMES).map(|unit| (unit.size, unit.kind)))
-}
 
 pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage, InputError> {
     let file = path.display().to_string();
@@ -61,11 +42,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     }
     let nodes = Nodes { folder: path.join("nodes"), count: ids.len() };
     let axis_name = axis["name"].as_str().unwrap_or("t");
-    let unit = axis["unit"].as_str().unwrap_or("frame");
-    let (minutes, time) = time_unit(unit).ok_or_else(|| {
-        let allowed = format!("one of {}, {}", units_listed(&TIMES), units_listed(&MORE_TIMES));
-        refused("geff.axes.unit", &axis["unit"], &allowed)
-    })?;
+    let (minutes, time) = geff_units::of_times(axis, &file, options)?;
     let times = nodes.property(axis_name)?.ok_or_else(|| {
         refused(&format!("nodes/props/{axis_name}"), &Value::Null, "the property of the time axis, of every node")
     })?;
@@ -218,22 +195,18 @@ impl Sizes {
         let property = nodes.spelled(metadata["sphere"].as_str().unwrap_or("radius"));
         let options = *options;
         let radii = nodes.property(&property)?;
+        let unit_of = |property: &str| &metadata["node_props_metadata"][property]["unit"];
         if radii.is_none() {
-            // As furrow writes them.
             let property = nodes.spelled("volume");
             let values = nodes.property(&property)?;
-            let (volume, unit) = unit_of_bare(Unit::Relative, &options);
+            let (volume, unit) = match unit_of(&property).as_str().filter(|_| values.is_some()) {
+                Some(own) => geff_units::of_volumes((&property, own), axes, file, &options)?,
+                // As furrow writes them.
+                None => unit_of_bare(Unit::Relative, &options),
+            };
             return Ok(Sizes { property, values, volume: Some(volume), unit, length: None, options });
         }
-        let own = &metadata["node_props_metadata"][&property]["unit"];
-        let space = axes.iter().find(|axis| axis["type"] == "space").map_or(&Value::Null, |axis| &axis["unit"]);
-        let said = if own.is_null() { space } else { own };
-        let refused = |written: &str| {
-            let allowed = format!("one of {}, or none (relative sizes)", units_listed(&LENGTHS));
-            InputError::not_allowed(file, format!("unit of {property}"), written, allowed)
-        };
-        let length =
-            said.as_str().map(|written| known_length_unit(written, &options, || refused(written))).transpose()?;
+        let length = geff_units::of_radii((&property, unit_of(&property)), axes, file, &options)?;
         let unit = length.map_or(Unit::Relative.into(), |length| unit_of_spheres(length, &options));
         Ok(Sizes { property, values: radii, volume: None, unit, length, options })
     }

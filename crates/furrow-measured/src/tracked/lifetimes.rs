@@ -1,6 +1,6 @@
 //! Lifetimes of followed cells.
 
-use std::collections::HashSet;
+use std::collections::HashMap;
 
 use furrow_input::InputError;
 
@@ -31,21 +31,36 @@ impl TrackedLineage {
         InputError::require(is_timed, "--frame-minutes", "frame_minutes", "(not given)", allowed)?;
         let mut found =
             TrackedLifetimes { cells: Vec::new(), skipped: self.skipped.clone(), skipped_count: self.skipped_count };
-        let mut seen = HashSet::new();
-        for cell in &self.cells {
-            let Some(mean) = cell.lifetime() else { continue };
-            let (name, birth) = (cell.name.clone(), Some(cell.birth));
-            let why = match names.founder(&name) {
-                None => names.unknown(),
-                Some(_) if !seen.insert(name.clone()) => "a second cell of this name",
-                Some(founder) => {
-                    let founder = founder.to_owned();
-                    found.cells.push(Lifetime { cell: name, founder, n: 1, mean, sd: None, birth });
-                    continue;
+        let used = self.used_lives();
+        for (index, cell) in self.cells.iter().enumerate() {
+            let (name, life) = (&cell.name, cell.lifetime());
+            let Some(founder) = names.founder(name) else {
+                if life.is_some() {
+                    note(&mut found.skipped, &mut found.skipped_count, || cell.unused(names.unknown()));
                 }
+                continue;
             };
-            note(&mut found.skipped, &mut found.skipped_count, || cell.unused(why));
+            let first = used.get(name.as_str()).copied().filter(|first| *first != index);
+            if let Some(first) = first.map(|first| &self.cells[first]) {
+                let why = format!("a second cell of this name; the first begins on line {}", first.place.1);
+                note(&mut found.skipped, &mut found.skipped_count, || cell.unused(&why));
+            } else if let Some(mean) = life {
+                let (cell, founder, birth) = (name.clone(), founder.to_owned(), Some(cell.birth));
+                found.cells.push(Lifetime { cell, founder, n: 1, mean, sd: None, birth });
+            }
         }
         Ok(found)
+    }
+
+    /// Of the cells of each name the first that was followed from birth to division, or else the first.
+    fn used_lives(&self) -> HashMap<&str, usize> {
+        let mut used: HashMap<&str, usize> = HashMap::new();
+        for (index, cell) in self.cells.iter().enumerate() {
+            let known = used.entry(&cell.name).or_insert(index);
+            if cell.lifetime().is_some() && self.cells[*known].lifetime().is_none() {
+                *known = index;
+            }
+        }
+        used
     }
 }

@@ -8,14 +8,15 @@
 //! | `xml` | the files of TrackMate and MaMuT |
 //! | `track_tables` | tables of tracks of napari, ultrack, btrack, funtracks and ilastik |
 //! | `ctc` | tracks of the Cell Tracking Challenge |
-//! | `geff`, `zarr`, `shards`, `unpack` | GEFF, the graph exchange format, in Zarr arrays |
+//! | `geff`, `geff_units`, `zarr`, `shards`, `unpack` | GEFF, the graph exchange format, in Zarr arrays |
 //! | `container` | the GEFF inside a folder |
 //! | `files` | the embryos in folders and patterns |
 //! | `chains` | links spots, where the file lists the spots of a cell together |
 //! | `rows` | rows that are given twice, and links past spots that cannot be used |
 //! | `spots` | spots and links of any format, as cells |
-//! | `lengths` | units of lengths, volumes of spheres |
+//! | `lengths`, `times` | units of lengths and times, volumes of spheres |
 //! | `namesakes` | the order of several cells of one name |
+//! | `kin` | links that contradict names, births of sisters |
 //!
 //! A cell is a chain of spots between two divisions. [`read_tracked`] recognises a format by the content of the file.
 //!
@@ -32,6 +33,8 @@ mod container;
 mod ctc;
 mod files;
 mod geff;
+mod geff_units;
+mod kin;
 pub(crate) mod lengths;
 mod lifetimes;
 mod namesakes;
@@ -40,6 +43,7 @@ mod rows;
 mod shards;
 mod spot_tables;
 mod spots;
+mod times;
 mod track_tables;
 mod unpack;
 mod xml;
@@ -82,8 +86,11 @@ pub struct TrackedCell {
     pub mother: Option<usize>,
     /// The indices of its daughters, at most two.
     pub daughters: Vec<usize>,
-    /// The time of its first spot.
+    /// The time of its first spot, or of its sister's, whichever is earlier.
     pub birth: f64,
+    /// The time of its first spot.
+    #[serde(skip)]
+    pub(crate) first: f64,
     /// The time of its first daughter's first spot; `None` if it was not seen to divide.
     pub division: Option<f64>,
     /// The time of its last spot.
@@ -142,6 +149,9 @@ pub struct TrackedLineage {
     /// Which options say something of the file.
     #[serde(skip)]
     pub(crate) takes: Takes,
+    /// The time from one frame to the next.
+    #[serde(skip)]
+    pub(crate) frame: f64,
     /// Why its sizes are left out, where all spots have one: only what needs sizes has to say so.
     #[serde(skip)]
     pub unknown_sizes: Option<Skipped>,
@@ -296,6 +306,10 @@ fn located_file(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
     if foreign::is_ctc(&text) {
         return Ok(here(Format::Ctc));
     }
+    if ctc::is_called_so(path) && foreign::has_only_numbers(&text) {
+        let reason = format!("a line of it must be {}", ctc::LINE);
+        return Err(InputError::other_file(path.display(), Format::Ctc.name(), reason));
+    }
     foreign::refuse(&path.display().to_string(), &head, foreign::WANTED)?;
     if path.file_name().is_some_and(|name| acetree::is_of_nuclei(&name.to_string_lossy())) {
         let reason = "it has the nuclei of one frame: the folder or the archive with all frames must be given";
@@ -340,8 +354,9 @@ pub fn read_tracked(path: &Path, options: &TrackOptions) -> Result<Option<Tracke
     }?;
     if let Some(minutes) = options.frame_minutes.filter(|_| lineage.time == TimeUnit::Frames) {
         lineage.time = TimeUnit::Minutes;
+        lineage.frame *= minutes;
         for cell in &mut lineage.cells {
-            let times = [&mut cell.birth, &mut cell.last].into_iter().chain(&mut cell.division);
+            let times = [&mut cell.birth, &mut cell.first, &mut cell.last].into_iter().chain(&mut cell.division);
             times.for_each(|time| *time *= minutes);
         }
     }

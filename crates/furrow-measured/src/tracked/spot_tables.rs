@@ -3,7 +3,8 @@
 //! The table of links lies beside the table of spots: `…_spots.csv` and `…_edges.csv` of TrackMate, `…-Spot.csv` and `…-Link.csv`
 //! of Mastodon. Both programs repeat their headings: TrackMate has three more lines (names, short names, units), Mastodon two
 //! (names of the parts of a column, units). Users often remove these lines, so the columns of ids decide how many there are: a
-//! row with an id is data. A spot's name is its label.
+//! row with an id is data. A spot's name is its label. Times are `POSITION_T` where the heading gives its unit, unless the minutes of a
+//! frame are given.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -16,6 +17,7 @@ use furrow_input::{InputError, listed, open_file, shown};
 use super::lengths::{LENGTHS, LengthUnit, PIXELS, SizeUnit, known_length_unit, sphere_in, unit_of_spheres};
 use super::rows::{FirstRows, contents, repeat};
 use super::spots::{Spot, Spots};
+use super::times::minutes_in;
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, whole};
 use crate::volumes::Unit;
 use furrow_input::table::{Table, malformed, text, units_listed};
@@ -26,6 +28,8 @@ struct Layout {
     spot: [&'static [&'static str]; 4],
     /// Columns of the spots that a link leads from and to; two of Mastodon have one name, with their parts below.
     link: [&'static [&'static str]; 2],
+    /// The time of a spot in a unit.
+    time: &'static [&'static str],
     /// Most lines of a heading.
     heading: usize,
     /// Pairs of words in file names: for the file of spots, and for the file of links.
@@ -35,6 +39,7 @@ struct Layout {
 const TRACKMATE: Layout = Layout {
     spot: [&["LABEL", "Label"], &["ID", "Spot ID"], &["FRAME", "Frame"], &["RADIUS", "Radius", "R"]],
     link: [&["SPOT_SOURCE_ID", "Source spot ID", "Source ID"], &["SPOT_TARGET_ID", "Target spot ID", "Target ID"]],
+    time: &["POSITION_T", "T"],
     heading: 4,
     words: &[("spots", "edges"), ("Spots", "Edges"), ("spots", "links"), ("Spots", "Links")],
 };
@@ -43,6 +48,7 @@ const MASTODON: Layout = Layout {
     spot: [&["Label"], &["ID"], &["Spot frame"], &["Spot radius"]],
     // Without the line of parts the first of two columns of one name is the source; pandas numbers the second one.
     link: [&["Source spot id", "Link target IDs"], &["Target spot id", "Link target IDs", "Link target IDs.1"]],
+    time: &[],
     heading: 3,
     words: &[("Spot", "Link"), ("spot", "link"), ("spots", "links")],
 };
@@ -75,19 +81,20 @@ pub(super) fn read(path: &Path, format: Format, options: &TrackOptions) -> Resul
     let layout = if format == Format::Mastodon { MASTODON } else { TRACKMATE };
     let file = path.display().to_string();
     let mut spots = Spots::of(&file);
-    let mut ids = Ids::default();
-    let unit = read_spots(&mut spots, &mut ids, path, &layout, options)?;
+    let (mut ids, mut times) = (Ids::default(), Times::default());
+    let unit = read_spots((&mut spots, &mut ids, &mut times), path, &layout, options)?;
     let (links, tried) = links_beside(path, &layout);
     let Some(links) = links else {
         let allowed = format!("beside a table of links ({}): without it no cell has a mother", tried.join(" or "));
         return Err(InputError::not_allowed(file, "links", "none", allowed));
     };
+    let time = times.set(&mut spots, &file);
     read_links(&mut spots, &ids, &links, &layout)?;
     // Single spots of TrackMate are outside its tracks. Mastodon has no other cells than its spots.
     if format == Format::TrackMate {
         spots.leave_out_unlinked(&file);
     }
-    spots.lineage(embryo_of(path), format, TimeUnit::Frames, unit)
+    spots.lineage(embryo_of(path), format, time, unit)
 }
 
 /// The table of links beside the table of spots, and the names under which it may lie there.
@@ -180,6 +187,12 @@ impl Heading {
         })
     }
 
+    /// The column of times with a unit, and the minutes in it.
+    fn clock(&self, layout: &Layout) -> Option<(usize, f64)> {
+        let at = self.place(layout.time, false)?;
+        Some((at, minutes_in(&text(self.units.as_ref()?.get(at)?))?))
+    }
+
     /// The unit of radii: `None` without a line of units.
     fn unit(&self, radius: usize, file: &str, options: &TrackOptions) -> Result<Option<LengthUnit>, InputError> {
         let Some(units) = &self.units else { return Ok(None) };
@@ -218,10 +231,43 @@ struct Ids {
     have_gaps: bool,
 }
 
+/// The minutes of all spots, in their order.
+#[derive(Default)]
+struct Times {
+    minutes: Vec<f64>,
+    /// Whether a spot has none, although there is a column.
+    has_gaps: bool,
+}
+
+impl Times {
+    /// Adds the minutes of a spot, which may be unknown or no number; `None` without a column of times.
+    fn add(&mut self, minutes: Option<Option<f64>>) {
+        let known = minutes.flatten().filter(|minutes| minutes.is_finite());
+        self.minutes.extend(known);
+        self.has_gaps |= minutes.is_some() && known.is_none();
+    }
+
+    /// Gives spots their minutes in place of frames, if later frames have later minutes.
+    fn set(self, spots: &mut Spots, file: &str) -> TimeUnit {
+        if self.minutes.is_empty() && !self.has_gaps {
+            return TimeUnit::Frames;
+        }
+        let mut both: Vec<(f64, f64)> = spots.times().zip(self.minutes.iter().copied()).collect();
+        both.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.total_cmp(&other.1)));
+        let is_clock = both.windows(2).all(|pair| pair[0].0 == pair[1].0 || pair[0].1 < pair[1].1);
+        if self.has_gaps || !is_clock {
+            let why = "must be a number in every row, and larger in later frames: frames are used";
+            spots.skip(file, 0, TRACKMATE.time[0], "", why);
+            return TimeUnit::Frames;
+        }
+        spots.set_times(&self.minutes);
+        TimeUnit::Minutes
+    }
+}
+
 /// Adds the spots of a table, and returns the unit of their volumes.
 fn read_spots(
-    spots: &mut Spots,
-    ids: &mut Ids,
+    (spots, ids, times): (&mut Spots, &mut Ids, &mut Times),
     path: &Path,
     layout: &Layout,
     options: &TrackOptions,
@@ -243,6 +289,8 @@ fn read_spots(
         None if radius.is_some() && options.pixel.is_none() => Unit::Relative.into(),
         _ => unit_of_spheres(length, options),
     };
+    let clock = heading.clock(layout).filter(|_| options.frame_minutes.is_none());
+    let of_times = clock.map(|(at, _)| table.numbers(at)).unwrap_or_default();
     let (numbers, mut rows) = (radius.map(|at| table.numbers(at)).unwrap_or_default(), FirstRows::new());
     while let Some((line, row)) = table.next()? {
         let [label, id, frame] = columns.map(|at| row.get(at).unwrap_or_default().trim_ascii());
@@ -266,6 +314,9 @@ fn read_spots(
         }
         let volume = radius.map(|radius| sphere_in(length, 2.0 * radius, options));
         let spot = spots.push(Spot { time, id: Some(id.into()), name: text(label), volume, file: 0, line });
+        let minutes =
+            clock.map(|(at, size)| of_times.read(row.get(at).unwrap_or_default().trim_ascii()).ok().map(|t| t * size));
+        times.add(minutes);
         if let Some(first) = ids.places.insert(id, spot) {
             let first = spots.get(first).line;
             let why = format!("ID = {id}: must be of one spot only; line {first} has it too");

@@ -33,6 +33,16 @@ pub(super) struct Spot {
     pub line: u64,
 }
 
+/// A link from a spot to one of a later frame.
+#[derive(Clone, Copy, Debug)]
+struct SpotLink {
+    from: usize,
+    to: usize,
+    /// Index of its file.
+    file: usize,
+    line: u64,
+}
+
 /// Spots with their links.
 #[derive(Debug, Default)]
 pub(super) struct Spots {
@@ -43,11 +53,11 @@ pub(super) struct Spots {
     previous: Vec<Option<usize>>,
     /// The spots after each.
     next: Vec<[Option<usize>; 2]>,
-    /// Spots that links give several mothers. All these links are left out.
-    merged: HashSet<usize>,
-    /// Spots that links give more than two daughters. All these links are left out.
-    shattered: HashSet<usize>,
-    /// The last spots of cells, also by a link that they have lost: their remaining link leads to a daughter, unless the names are equal.
+    /// All links, in the order of their files.
+    links: Vec<SpotLink>,
+    /// Files of links.
+    link_files: Vec<String>,
+    /// The last spots of cells: a link from here leads to a daughter, unless the names are equal.
     parted: HashSet<usize>,
     /// Spots that some link names, used or not.
     linked: HashSet<usize>,
@@ -57,6 +67,44 @@ pub(super) struct Spots {
     pub tracks: Vec<(String, usize)>,
     skipped: Vec<Skipped>,
     skipped_count: u64,
+}
+
+/// The times of a recording.
+enum Frames {
+    /// Numbers of frames.
+    Numbered,
+    /// The times of all spots, in order.
+    Timed(Vec<f64>),
+}
+
+impl Frames {
+    fn of(spots: &[Spot], unit: TimeUnit) -> Frames {
+        if unit == TimeUnit::Frames {
+            return Frames::Numbered;
+        }
+        let mut times: Vec<f64> = spots.iter().map(|spot| spot.time).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        Frames::Timed(times)
+    }
+
+    /// The shortest time between two frames.
+    fn shortest(&self) -> f64 {
+        match self {
+            Frames::Numbered => 1.0,
+            Frames::Timed(times) => times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    /// The time of the frame after a time.
+    fn after(&self, time: f64) -> f64 {
+        match self {
+            Frames::Numbered => time + 1.0,
+            Frames::Timed(times) => {
+                times.get(times.partition_point(|other| *other <= time)).copied().unwrap_or(f64::INFINITY)
+            }
+        }
+    }
 }
 
 impl Spots {
@@ -79,6 +127,16 @@ impl Spots {
         &self.spots[spot]
     }
 
+    /// The times of all spots.
+    pub fn times(&self) -> impl Iterator<Item = f64> {
+        self.spots.iter().map(|spot| spot.time)
+    }
+
+    /// Gives all spots other times; links come later.
+    pub fn set_times(&mut self, times: &[f64]) {
+        self.spots.iter_mut().zip(times).for_each(|(spot, time)| spot.time = *time);
+    }
+
     /// Reports a value that cannot be used.
     pub fn skip(&mut self, file: &str, line: u64, column: &str, value: &str, why: impl Into<String>) {
         note(&mut self.skipped, &mut self.skipped_count, || {
@@ -94,44 +152,61 @@ impl Spots {
     /// A link within a frame.
     pub fn link(&mut self, a: usize, b: usize, file: &str, line: u64) -> Result<(), InputError> {
         self.linked.extend([a, b]);
-        let name = |spot: usize| self.shown(spot);
-        let refused = |why: String| Err(malformed(file, line as usize, why));
         let (from, to) = if self.spots[a].time <= self.spots[b].time { (a, b) } else { (b, a) };
         if self.spots[from].time == self.spots[to].time {
-            let (a, b, time) = (name(a), name(b), self.spots[a].time);
-            return refused(format!("a link from {a} to {b}, both at time {time}: links must lead to a later time"));
+            let (a, b, time) = (self.shown(a), self.shown(b), self.spots[a].time);
+            let why = format!("a link from {a} to {b}, both at time {time}: links must lead to a later time");
+            return Err(malformed(file, line as usize, why));
         }
-        let value = self.spots[to].name.clone();
-        let free = self.next[from].iter().position(Option::is_none);
-        let why = match (self.previous[to], free) {
-            (Some(before), _) if before == from => {
-                format!("a second link from {} to {}: it is used once", name(from), name(to))
-            }
-            (None, Some(place)) if !self.merged.contains(&to) && !self.shattered.contains(&from) => {
-                self.next[from][place] = Some(to);
-                self.previous[to] = Some(from);
-                return Ok(());
-            }
-            (Some(other), _) => {
-                let why = format!("it comes from {} and from {}: it is left without a mother", name(other), name(from));
-                self.merged.insert(to);
-                self.parted.extend([other, from]);
-                self.unlink(to);
-                why
-            }
-            (None, None) => {
-                let why = format!("a third link from {}: this cell is left without daughters", name(from));
-                self.shattered.insert(from);
-                self.next[from].into_iter().flatten().for_each(|daughter| self.unlink(daughter));
-                why
-            }
-            _ => {
-                self.parted.insert(from);
-                format!("one more link from {}: links of this cell contradict each other", self.shown(from))
-            }
-        };
-        self.skip(file, line, "link", &value, why);
+        if self.link_files.last().is_none_or(|last| last != file) {
+            self.link_files.push(file.to_owned());
+        }
+        self.links.push(SpotLink { from, to, file: self.link_files.len() - 1, line });
         Ok(())
+    }
+
+    /// Joins the spots by their links. Links to spots with several mothers are left out before divisions are looked for: otherwise a wrong
+    /// link would end the cell that it comes from.
+    fn join(&mut self) {
+        let links = std::mem::take(&mut self.links);
+        let (mut mothers, mut count): (HashMap<usize, usize>, HashMap<usize, usize>) = Default::default();
+        let (mut merged, mut known, mut kept) = (HashSet::new(), HashSet::new(), Vec::with_capacity(links.len()));
+        for link in links {
+            let SpotLink { from, to, .. } = link;
+            let before = *mothers.entry(to).or_insert(from);
+            if !known.insert((from, to)) {
+                let why = format!("a second link from {} to {}: it is used once", self.shown(from), self.shown(to));
+                self.refuse(link, why);
+            } else if before == from {
+                kept.push(link);
+            } else {
+                let [first, from] = [before, from].map(|spot| self.shown(spot));
+                merged.insert(to);
+                self.refuse(link, format!("it comes from {first} and from {from}: it is left without a mother"));
+            }
+        }
+        kept.retain(|link| !merged.contains(&link.to));
+        kept.iter().for_each(|link| *count.entry(link.from).or_default() += 1);
+        let mut seen: HashMap<usize, usize> = HashMap::new();
+        for link in kept {
+            let SpotLink { from, to, .. } = link;
+            let number = seen.entry(from).or_default();
+            *number += 1;
+            if count.get(&from).is_some_and(|count| *count <= 2) {
+                self.next[from][*number - 1] = Some(to);
+                self.previous[to] = Some(from);
+            } else if *number > 2 {
+                let which = if *number == 3 { "a third link" } else { "one more link" };
+                let why = format!("{which} from {}: this cell is left without daughters", self.shown(from));
+                self.refuse(link, why);
+            }
+        }
+    }
+
+    /// Reports a link that is not used.
+    fn refuse(&mut self, SpotLink { to, file, line, .. }: SpotLink, why: String) {
+        let (file, value) = (self.link_files[file].clone(), self.spots[to].name.clone());
+        self.skip(&file, line, "link", &value, why);
     }
 
     /// Marks the last spot of a cell: a link from here leads to a daughter, unless the names are equal.
@@ -167,13 +242,6 @@ impl Spots {
         }
     }
 
-    /// Takes a spot from its mother.
-    fn unlink(&mut self, spot: usize) {
-        let Some(mother) = self.previous[spot].take() else { return };
-        let [first, second] = self.next[mother];
-        self.next[mother] = if first == Some(spot) { [second, None] } else { [first, None] };
-    }
-
     /// A spot in a message.
     fn shown(&self, spot: usize) -> String {
         let Spot { name, file, line, .. } = &self.spots[spot];
@@ -201,18 +269,10 @@ impl Spots {
         time: TimeUnit,
         volumes: impl Into<SizeUnit>,
     ) -> Result<TrackedLineage, InputError> {
+        self.join();
         let mut order: Vec<usize> = (0..self.spots.len()).filter(|spot| !self.left_out.contains(spot)).collect();
         if order.is_empty() {
-            let file = self.files.first().cloned().unwrap_or_default();
-            let reason = self.skipped.first().map_or("it has no spots".to_owned(), |first| {
-                let Skipped { line, column, value, why, .. } = first;
-                format!("line {line}, {column}: {value:?}: {why}")
-            });
-            return Err(InputError::other_file(
-                file,
-                &format!("{} with a cell that can be used", format.name()),
-                reason,
-            ));
+            return Err(self.unusable(format));
         }
         order.sort_by_cached_key(|k| OrderedFloat(self.spots[*k].time));
         let mut cells: Vec<TrackedCell> = Vec::new();
@@ -236,10 +296,11 @@ impl Spots {
         let of_spot: Vec<Option<usize>> = of_spot.into_iter().map(|cell| cell.map(|cell| places[cell])).collect();
         let cells = namesakes::moved(cells, &places);
         let known = self.known(&of_spot);
+        let frames = Frames::of(&self.spots, time);
         let Spots { skipped, skipped_count, .. } = self;
         let SizeUnit { unit: volumes, in_pixels, is_bare } = volumes.into();
         let takes = Takes { frame_minutes: time == TimeUnit::Frames, pixel: in_pixels, unit: is_bare };
-        Ok(TrackedLineage {
+        let mut lineage = TrackedLineage {
             name,
             format,
             cells,
@@ -250,8 +311,23 @@ impl Spots {
             matched: None,
             spots: known,
             takes,
+            frame: frames.shortest(),
             unknown_sizes,
-        })
+        };
+        // In a graph with a node for each cell, which furrow writes, times between nodes say nothing.
+        let is_followed = counts.iter().any(|count| *count > 1);
+        lineage.join_births(|last| if is_followed { frames.after(last) } else { f64::INFINITY });
+        Ok(lineage)
+    }
+
+    /// The error for a file without a spot that can be used.
+    fn unusable(&self, format: Format) -> InputError {
+        let file = self.files.first().cloned().unwrap_or_default();
+        let reason = self.skipped.first().map_or("it has no spots".to_owned(), |first| {
+            let Skipped { line, column, value, why, .. } = first;
+            format!("line {line}, {column}: {value:?}: {why}")
+        });
+        InputError::other_file(file, &format!("{} with a cell that can be used", format.name()), reason)
     }
 
     /// Leaves out all sizes where the spots of mothers and daughters have one and the same: a detector gives it to every spot, and it is
@@ -311,6 +387,7 @@ impl Spots {
             tracked: name.clone(),
             mother,
             birth: *time,
+            first: *time,
             last: *time,
             place: (self.files[*file].clone(), *line),
             ..TrackedCell::default()

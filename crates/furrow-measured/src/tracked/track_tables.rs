@@ -218,6 +218,12 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
                 continue;
             }
         };
+        if options.frame_minutes.is_some() && columns.minutes.is_none() && values.time.fract() != 0.0 {
+            let allowed =
+                "must be a whole number of frames, as minutes of a frame are given; times have a unit, as t (min)";
+            let why = format!("{} = {}: {allowed}", row.name(columns.time), values.time);
+            return Err(malformed(&file, row.line as usize, why));
+        }
         let contents = contents(&header.names, |column| row.text(column));
         if let Some(first) = rows.repeated((values.track, values.time.to_bits()), row.line, contents) {
             spots.skip(&file, row.line, row.name(columns.track), &values.track.to_string(), repeat(first));

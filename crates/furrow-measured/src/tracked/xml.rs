@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
-use furrow_input::table::{TIMES, malformed, unit_of, units_listed};
+use furrow_input::table::{malformed, units_listed};
 use furrow_input::{InputError, read_older_text_up_to, shown};
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
@@ -14,6 +14,7 @@ use quick_xml::{Reader, XmlVersion};
 use super::lengths::{LENGTHS, LengthUnit, known_length_unit, sphere_in, unit_of_spheres};
 use super::rows::{contents_of, repeat};
 use super::spots::{Spot, Spots};
+use super::times::minutes_in;
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, whole};
 
 /// Most bytes that are read.
@@ -86,7 +87,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     let file = path.display().to_string();
     let document = Document::read(&read_older_text_up_to(path, LONGEST)?, &file)?;
     let length = document.length(&file, options)?;
-    let minutes = unit_of(&document.times, &TIMES).map(|unit| unit.size).filter(|_| options.frame_minutes.is_none());
+    let minutes = minutes_in(&document.times).filter(|_| options.frame_minutes.is_none());
     let time_unit = if minutes.is_some() { TimeUnit::Minutes } else { TimeUnit::Frames };
     let kept = |track: &&Track| document.kept.as_ref().is_none_or(|kept| kept.contains(&track.id));
     let tracks: Vec<&Track> = document.tracks.iter().filter(kept).collect();

@@ -94,9 +94,9 @@ pub(super) enum Rows {
 struct Layout {
     shape: Vec<usize>,
     chunk: Vec<usize>,
-    /// The kind of its values, as in a type of version 2: `b`, `u`, `i`, `f` or `U` (UTF-32 of one length).
+    /// The kind of its values, as in a type of version 2: `b`, `u`, `i`, `f`, `U` (UTF-32 of one length) or `O` (UTF-8 of any length).
     kind: char,
-    /// Bytes of a value.
+    /// Bytes of a value; 0 where they differ.
     size: usize,
     /// Before the numbers of a chunk in the name of its file, and between them.
     separators: [String; 2],
@@ -159,15 +159,20 @@ pub(super) fn read(folder: &Path, rows: Rows) -> Result<Array, InputError> {
         return refused(
             "data type",
             value,
-            "integers, floating-point numbers or bool in little-endian order, or text in UTF-32",
+            "integers, floating-point numbers or bool in little-endian order, or text in UTF-32 or, of any length, in UTF-8",
         );
     };
+    let is_text = kind == TEXT;
+    if is_text && shape.len() > 1 {
+        return refused("shape", &document["shape"], "one whole number, for texts");
+    }
     if shape.get(1).is_some_and(|width| *width > WIDEST) {
         return refused("shape", &document["shape"], &format!("of at most {WIDEST} columns"));
     }
-    let (separators, codec) = if is_third { stored_third(&document) } else { stored_second(&document) };
+    let (separators, codec) =
+        if is_third { stored_third(&document, is_text) } else { stored_second(&document, is_text) };
     let shards = match &document["codecs"].as_array().map(Vec::as_slice) {
-        Some([one]) if is_third => Shards::of(one, &chunk, |codecs| coded_third(codecs).ok()),
+        Some([one]) if is_third => Shards::of(one, &chunk, |codecs| coded_third(codecs, is_text).ok()),
         _ => None,
     };
     let codec = match codec {
@@ -184,13 +189,7 @@ pub(super) fn read(folder: &Path, rows: Rows) -> Result<Array, InputError> {
         let allowed = format!("of at most {} MB: the array's files have {held} bytes", most >> 20);
         return refused("chunks", chunks, &allowed);
     }
-    let (most, allowed) = match rows {
-        Rows::Exactly(rows) => (rows, format!("{rows} rows, one for each node")),
-        Rows::Ids => {
-            let most = layout.chunk[0].saturating_mul(files.len()).min(FEW.max(held.saturating_mul(DENSEST)));
-            (most, format!("at most {most} rows: the array's files have {held} bytes"))
-        }
-    };
+    let (most, allowed) = layout.most(rows, &files, held);
     if layout.shape[0] > most {
         return refused("shape", &document["shape"], &allowed);
     }
@@ -199,6 +198,9 @@ pub(super) fn read(folder: &Path, rows: Rows) -> Result<Array, InputError> {
 
 /// Kind and bytes of a type of version 2, such as `<f8`.
 fn type_of_second(text: &str) -> Option<(char, usize)> {
+    if text == "|O" {
+        return Some((TEXT, 0));
+    }
     let rest = text.strip_prefix(['<', '|'])?;
     let (kind, count) = (rest.chars().next()?, rest.get(1..)?.parse::<usize>().ok()?);
     known(kind, if kind == 'U' { count.checked_mul(4)? } else { count })
@@ -210,8 +212,10 @@ fn type_of_third(value: &Value) -> Option<(char, usize)> {
         return known('U', value["configuration"]["length_bytes"].as_u64()?.try_into().ok()?);
     }
     let text = value.as_str()?;
-    if text == "bool" {
-        return known('b', 1);
+    match text {
+        "bool" => return known('b', 1),
+        "string" => return Some((TEXT, 0)),
+        _ => {}
     }
     let at = text.find(|c: char| c.is_ascii_digit())?;
     let kind = ["uint", "int", "float"].iter().position(|name| *name == &text[..at])?;
@@ -230,17 +234,26 @@ fn known(kind: char, size: usize) -> Option<(char, usize)> {
     fine.then_some((kind, size))
 }
 
+/// The kind of texts of any length, and the codec that writes them.
+const TEXT: char = 'O';
+const OF_TEXTS: &str = "vlen-utf8";
+
 /// The allowed codecs.
 const ALLOWED_CODECS: &str =
-    "none, zlib, gzip, zstd or blosc, for values in rows and little-endian order, also in shards";
+    "none, zlib, gzip, zstd or blosc, for values in rows and little-endian order or texts by vlen-utf8, also in shards";
 
 /// The separators in names of chunks, and the compression, or the unknown codec.
 type Stored = ([String; 2], Result<Option<String>, Value>);
 
-fn stored_second(document: &Value) -> Stored {
+fn stored_second(document: &Value, is_text: bool) -> Stored {
     let separator = document["dimension_separator"].as_str().unwrap_or(".").to_owned();
     let (compressor, filters) = (&document["compressor"], &document["filters"]);
-    let codec = if filters.as_array().is_some_and(|all| !all.is_empty()) {
+    let filters_are_right = match filters.as_array().map_or(&[][..], Vec::as_slice) {
+        [] => !is_text,
+        [one] => is_text && one["id"] == OF_TEXTS,
+        _ => false,
+    };
+    let codec = if !filters_are_right {
         Err(filters.clone())
     } else if document["order"] == "F" {
         Err("order F".into())
@@ -250,22 +263,23 @@ fn stored_second(document: &Value) -> Stored {
     ([String::new(), separator], codec)
 }
 
-fn stored_third(document: &Value) -> Stored {
+fn stored_third(document: &Value, is_text: bool) -> Stored {
     let encoding = &document["chunk_key_encoding"];
     let is_second = encoding["name"] == "v2";
     let separator = encoding["configuration"]["separator"].as_str().unwrap_or(if is_second { "." } else { "/" });
     let prefix = if is_second { String::new() } else { format!("c{separator}") };
-    ([prefix, separator.to_owned()], coded_third(&document["codecs"]))
+    ([prefix, separator.to_owned()], coded_third(&document["codecs"], is_text))
 }
 
 /// The compression in a list of codecs of version 3.
-fn coded_third(codecs: &Value) -> Result<Option<String>, Value> {
+fn coded_third(codecs: &Value, is_text: bool) -> Result<Option<String>, Value> {
+    let is_right = |first: &Value| match is_text {
+        true => first["name"] == OF_TEXTS,
+        false => first["name"] == "bytes" && first["configuration"]["endian"] != "big",
+    };
     match codecs.as_array().map_or(&[][..], Vec::as_slice) {
-        [bytes, rest @ ..] if bytes["name"] == "bytes" && bytes["configuration"]["endian"] != "big" => match rest {
-            [] => Ok(None),
-            [one] => coded(one, &one["name"]),
-            _ => Err(codecs.clone()),
-        },
+        [first] if is_right(first) => Ok(None),
+        [first, one] if is_right(first) => coded(one, &one["name"]),
         _ => Err(codecs.clone()),
     }
 }
@@ -289,6 +303,17 @@ struct ChunkFile {
 }
 
 impl Layout {
+    /// Most rows, and how a larger number is refused. The files have `held` bytes.
+    fn most(&self, rows: Rows, files: &[ChunkFile], held: usize) -> (usize, String) {
+        match rows {
+            Rows::Exactly(rows) => (rows, format!("{rows} rows, one for each node")),
+            Rows::Ids => {
+                let most = self.chunk[0].saturating_mul(files.len()).min(FEW.max(held.saturating_mul(DENSEST)));
+                (most, format!("at most {most} rows: the array's files have {held} bytes"))
+            }
+        }
+    }
+
     /// The files of chunks. Chunks without a file are of fill values only: there may be very many.
     fn files(&self, folder: &Path) -> Result<Vec<ChunkFile>, InputError> {
         let mut found = Vec::new();
@@ -336,14 +361,14 @@ impl Layout {
             let [row, column] = [file.place[0] * rows, file.place[1] * columns];
             let Some(shards) = &self.shards else {
                 let bytes = self.unpacked(packed, self.codec.as_deref(), &self.chunk).map_err(refused)?;
-                self.place_values(&bytes, [row, column], [rows, columns], &mut values);
+                self.place_values(&bytes, [row, column], [rows, columns], &mut values).map_err(refused)?;
                 continue;
             };
             let [inner_rows, inner_columns] = length(&shards.chunk);
             for ([i, j], packed) in shards.chunks(&self.chunk, &packed).map_err(refused)? {
                 let bytes = self.unpacked(packed.to_vec(), shards.codec.as_deref(), &shards.chunk).map_err(refused)?;
                 let at = [row + i * inner_rows, column + j * inner_columns];
-                self.place_values(&bytes, at, [inner_rows, inner_columns], &mut values);
+                self.place_values(&bytes, at, [inner_rows, inner_columns], &mut values).map_err(refused)?;
             }
         }
         Ok(Array { shape: self.shape, values })
@@ -351,13 +376,26 @@ impl Layout {
 
     /// Puts the values of a chunk of `length` rows and columns to a row and column of the array. Chunks at the edge are as long as others;
     /// what lies beyond the array is not used.
-    fn place_values(&self, bytes: &[u8], [row, column]: [usize; 2], length: [usize; 2], values: &mut Values) {
+    fn place_values(
+        &self,
+        bytes: &[u8],
+        [row, column]: [usize; 2],
+        length: [usize; 2],
+        values: &mut Values,
+    ) -> Result<(), String> {
+        if let (TEXT, Values::Texts(all)) = (self.kind, &mut *values) {
+            let places = all.iter_mut().skip(row).take(length[0]);
+            let found = texts(bytes, places.len())?;
+            places.zip(found).for_each(|(value, text)| *value = text);
+            return Ok(());
+        }
         let (rows, columns) = (self.shape[0], self.shape.get(1).copied().unwrap_or(1));
         let [height, width] = [length[0].min(rows.saturating_sub(row)), length[1].min(columns.saturating_sub(column))];
         for k in 0..height {
             let from = k * length[1] * self.size;
             self.decode(&bytes[from..from + width * self.size], values, (row + k) * columns + column);
         }
+        Ok(())
     }
 
     /// Values that no chunk gives.
@@ -366,7 +404,7 @@ impl Layout {
         let whole = fill.as_i64().map(i128::from).or(fill.as_u64().map(i128::from)).or(fill.as_bool().map(i128::from));
         match self.kind {
             // A text that all nodes share cannot distinguish them.
-            'U' => Values::Texts(vec![String::new(); count]),
+            'U' | TEXT => Values::Texts(vec![String::new(); count]),
             'f' => Values::Numbers(vec![fill.as_f64().unwrap_or(f64::NAN); count]),
             _ => Values::Integers(vec![whole.unwrap_or(0); count]),
         }
@@ -374,6 +412,9 @@ impl Layout {
 
     /// The bytes of a chunk of this shape.
     fn unpacked(&self, packed: Vec<u8>, codec: Option<&str>, chunk: &[usize]) -> Result<Vec<u8>, String> {
+        if self.kind == TEXT {
+            return unpacked(packed, codec, SMALL);
+        }
         let count: usize = chunk.iter().product();
         let bytes = unpacked(packed, codec, count * self.size)?;
         if bytes.len() != count * self.size {
@@ -405,6 +446,21 @@ impl Layout {
             Values::Texts(all) => all[to..].iter_mut().zip(each).for_each(|(value, bytes)| *value = text(bytes)),
         }
     }
+}
+
+/// The texts of a chunk, at most this many: their number, then the length and the bytes of each.
+fn texts(bytes: &[u8], most: usize) -> Result<Vec<String>, String> {
+    const SHORT: &str = "it ends within a text";
+    let number = |rest: &[u8]| rest.first_chunk::<4>().map(|bytes| u32::from_le_bytes(*bytes) as usize).ok_or(SHORT);
+    let (count, mut rest) = (number(bytes)?, bytes.get(4..).ok_or(SHORT)?);
+    let mut found = Vec::new();
+    for _ in 0..count.min(most) {
+        let length = number(rest)?;
+        let text = rest.get(4..).and_then(|rest| rest.get(..length)).ok_or(SHORT)?;
+        found.push(String::from_utf8_lossy(text).into_owned());
+        rest = &rest[4 + length..];
+    }
+    Ok(found)
 }
 
 /// The bytes of a chunk.

@@ -93,7 +93,9 @@ fn unusable_and_repeated_spots_and_links_are_left_out() {
         let (lineage, folder) = (tracked(&path), format!("{}/", folder.path().display()));
         assert_eq!(ends(&lineage), ends_of(&LIVES), "{to}");
         let reports = reports(&lineage).join("\n").replace(&folder, "");
-        assert!(reports.starts_with(why) && lineage.skipped_count == 1, "{reports}\n{why}");
+        // Without its only spot before the division the last time of a mother is unknown, which is a second report.
+        let count = 1 + u64::from(reports.contains("its mother was seen last at time 1: the division may be earlier"));
+        assert!(reports.starts_with(why) && lineage.skipped_count == count, "{reports}\n{why}");
     }
     for version in [2, 3] {
         let mut files = geff(version, 10);

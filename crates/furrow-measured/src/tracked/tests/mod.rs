@@ -1,7 +1,9 @@
 //! Small made-up embryos in every format, and files that are wrong.
 
 mod damaged;
+mod formats;
 mod graphs;
+mod links;
 mod sizes;
 mod tracks;
 

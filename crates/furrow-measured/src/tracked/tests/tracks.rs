@@ -140,7 +140,11 @@ fn unusable_and_repeated_elements_of_xml_are_left_out() {
         let lineage = embryo("film.xml", changed);
         let times = |cells: &[TrackedCell]| cells.iter().map(|cell| (cell.birth, cell.division)).collect::<Vec<_>>();
         assert_eq!(times(&lineage.cells), times(&cells), "{to}");
-        assert!(reports(&lineage)[0].contains(why) && lineage.skipped_count == 2, "{:?}\n{why}", reports(&lineage));
+        assert!(
+            reports(&lineage).iter().any(|report| report.contains(why)) && lineage.skipped_count == 2,
+            "{:?}\n{why}",
+            reports(&lineage)
+        );
     }
 }
 
