@@ -19,6 +19,7 @@ mod check;
 mod clash;
 pub mod clock;
 pub mod definition;
+mod doubts;
 mod fits;
 pub mod founder;
 mod given_sizes;
