@@ -281,7 +281,7 @@ class Branch(Result):
         return pd.concat([curve.to_pandas() for curve in self.curves], ignore_index=True)
 
     def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
-        """The branches, stable and unstable; needs matplotlib."""
+        """The branches, stable and unstable; needs matplotlib. With ``path`` the figure is also written there."""
         from . import plot
 
         return plot.saved(plot.branch(self), path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex, overload
 
 import numpy as np
@@ -10,14 +11,26 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _furrow
 from ._branches import Branch, Crossing, Curve, Event, HopfPoint, Pitchfork, Steady
-from ._checks import given_of, optional_path, path_of, refused, seed_of, text_of, threads_of, whole
+from ._checks import (
+    bool_of,
+    given_of,
+    number_of,
+    optional_path,
+    pair_of,
+    path_of,
+    refused,
+    seed_of,
+    text_of,
+    threads_of,
+    whole,
+)
 from ._errors import InputError
-from ._memo import memo as shared_memo
+from ._memo import memo_of
 from ._progress import Progress, shown
 from ._results import Contour, Division, Frames, Replicates, division
 from ._shapes import Boundary, CriticalRadius, Perturbation, Perturbations, Phase
 from ._surfaces import Neck, Surfaces, surface
-from ._tables import html_table
+from ._tables import fixed, html_table
 from ._tables import shown as shown_value
 
 if TYPE_CHECKING:
@@ -32,6 +45,9 @@ Value: TypeAlias = SupportsFloat | SupportsIndex | str
 #: The largest azimuthal number.
 MOST_AZIMUTHAL = 16
 
+#: Parameters that are shown in one line, which names them.
+_IN_ONE_LINE = ("law", "shell_profile")
+
 #: The columns that change sign under u → 1 − u; psi becomes π − psi.
 _ODD = ("z", "v", "active_t")
 
@@ -45,9 +61,11 @@ class Cell:
 
     ``r0`` is the radius R0 of the sphere with the cell's volume, in L_h (or ``"17um"`` if the lineage has units). Other
     parameters have the names of ``furrow --set``: ``epsilon``, ``xi_s``, ``aspect``, ``intervals`` and so on;
-    :meth:`parameters` lists them. ``cue`` has the syntax of the command line: ``"none"``, ``"germline"`` or another name
-    that the lineage defines, or terms such as ``"kappa:u0=0.465,omega=0.0577,amplitude=0.1"`` and
-    ``"regulator:none,turnover=10,diffusion=1,activity=0.3"``. ``law`` is a law of active stress in place of the paper's: a
+    :meth:`parameters` lists them. ``preset`` is a preset of constants, which a file ``config`` overrides and keywords override
+    both; ``lineage`` is a lineage file with units and names of cues. ``shell_profile`` is a table of r over z, the profile of
+    the shell, or ``"ellipsoid"``; the table sets ``aspect``. ``cue`` has the syntax of the command line: ``"none"``,
+    ``"germline"`` or another name that the lineage defines, or terms such as ``"kappa:u0=0.465,omega=0.0577,amplitude=0.1"``
+    and ``"regulator:none,turnover=10,diffusion=1,activity=0.3"``. ``law`` is a law of active stress in place of the paper's: a
     file of expressions, its text, or ``"paper"``; its constants are set as ``**{"law.a": 2}``.
 
     >>> import furrow
@@ -106,9 +124,9 @@ class Cell:
         config: str | os.PathLike[str] | None = None,
         law: str | os.PathLike[str] | None = None,
         lineage: str | os.PathLike[str] | None = None,
-        **parameters: Value,
+        **parameters: Value | os.PathLike[str] | None,
     ) -> None:
-        given: dict[str, Value] = {"r0": r0, **parameters}
+        given: dict[str, Any] = {"r0": r0, **parameters}
         try:
             inputs = _furrow.Inputs(given_of(given, preset, config, law=law), text_of("cue", cue), _lineage(lineage))
         except InputError as error:
@@ -129,7 +147,8 @@ class Cell:
         return cell
 
     def parameters(self) -> dict[str, Any]:
-        """All parameters by name, with the cue."""
+        """All parameters by name, with the cue, the law (None for the paper's) and its constants as ``law.NAME``, and the profile
+        of the shell (None for an ellipsoid)."""
         known = self._known
         if known is None:
             known = self._inputs.parameters()
@@ -138,14 +157,30 @@ class Cell:
 
     to_dict = parameters
 
-    def replace(self, *, cue: str | None = None, **parameters: Value) -> Cell:
-        """A copy with different values of some parameters."""
+    def replace(self, *, cue: str | None = None, **parameters: Value | os.PathLike[str] | None) -> Cell:
+        """A copy with different values of some parameters, or with another ``cue``, ``law`` or ``shell_profile``. None is the
+        paper's law or an ellipsoid, and of ``cue`` the cell's own.
+
+        The ellipsoid keeps the ``aspect`` that the table of a profile has set, unless another one is given; a warning says so.
+        """
+        given: dict[str, Any] = dict(parameters)
+        law = None
+        if "law" in given:
+            named = given.pop("law")
+            law = "paper" if named is None else path_of("law", named)
+        if given.get("shell_profile", "") is None:
+            given["shell_profile"] = "ellipsoid"
         try:
-            return Cell._of(self._inputs.replaced(parameters, None if cue is None else text_of("cue", cue)))
+            other = Cell._of(self._inputs.replaced(given, None if cue is None else text_of("cue", cue), law))
         except InputError as error:
             if error.field in parameters:
                 error.value = parameters[error.field]
             raise
+        lost = self.shell_profile is not None and other.shell_profile is None
+        if lost and not {_furrow.canonical_name(name) for name in given} & {"aspect"}:
+            text = f"the ellipsoid keeps the aspect ratio of the profile, {other.aspect:.6g}: give aspect= for another one"
+            warnings.warn(text, stacklevel=2)
+        return other
 
     def mirrored(self) -> Cell:
         """The mirror image under u → 1 − u."""
@@ -171,8 +206,21 @@ class Cell:
         """The cue as text."""
         return self._inputs.cue
 
+    @property
+    def resolved_cue(self) -> str | None:
+        """The cue with the position and the width that PAR polarity gives it, as text; None if it does not depend on polarity.
+
+        >>> import furrow
+        >>> furrow.Cell(4, cue="kappa:par_band,amplitude=0.1").resolved_cue[:20]
+        'kappa:band,u0=0.4330'
+
+        Raises :class:`~furrow.NoOutcome` if the polarity cannot be computed.
+        """
+        return self._inputs.resolved_cue()
+
     def cue_at(self, u: ArrayLike, length: SupportsFloat) -> dict[str, NDArray[np.float64]]:
-        """The cue at arclength fractions ``u`` of a contour of this length: Σ A f(u) for each field that its terms change.
+        """The cue at arclength fractions ``u`` of a contour of this length: Σ A f(u) for each field that its terms change. Terms
+        that follow PAR polarity are where it places them, as in :attr:`resolved_cue`.
 
         What a regulator does is not there: flow decides it.
         """
@@ -180,7 +228,7 @@ class Cell:
         if at.ndim != 1:
             raise refused("u", u, "a one-dimensional array")
         sums: dict[str, NDArray[np.float64]] = {}
-        for name, values in self._inputs.cue_at(at, _number("length", length)):
+        for name, values in self._inputs.cue_at(at, number_of("length", length)):
             sums[name] = sums[name] + values if name in sums else values
         return sums
 
@@ -201,19 +249,24 @@ class Cell:
         return self._inputs == other._inputs if isinstance(other, Cell) else NotImplemented
 
     def __hash__(self) -> int:
-        return hash(self._inputs.to_json())
+        # 0 and −0 are equal.
+        return hash(self._inputs.to_json().replace("-0.0", "0.0"))
 
     def __reduce__(self) -> tuple[object, ...]:
         return (_from_json, (self._inputs.to_json(),))
 
     def __repr__(self) -> str:
         now, default = self.parameters(), _defaults()
-        changed = [f"{name}={value!r}" for name, value in now.items() if name != "r0" and value != default[name]]
+        constants = [name for name in now if name.startswith("law.")]
+        kept = {name: value for name, value in now.items() if name not in ("r0", *_IN_ONE_LINE, *constants)}
+        changed = [f"{name}={value!r}" for name, value in kept.items() if value != default[name]]
+        # The line of a law has its constants.
+        changed += [f"{name}={now[name]}" for name in _IN_ONE_LINE if now[name] is not None]
         return f"furrow.Cell({', '.join(['r0=' + repr(now['r0']), *changed])})"
 
     def _repr_html_(self) -> str:
         now = self.parameters()
-        names = ("r0", "epsilon", "xi_s", "cue")
+        names = ("r0", "epsilon", "xi_s", "cue", *(name for name in _IN_ONE_LINE if now[name] is not None))
         return html_table([(name, shown_value(now[name])) for name in names], "Cell")
 
     @overload
@@ -255,7 +308,8 @@ class Cell:
 
         ``seed`` seeds the noise of the first step. ``frames=True`` keeps the shape after every step, ``frames=0.2``
         one every 0.2 τ, at the collocation points or at ``places`` points per mesh interval. ``replicates=N`` computes
-        N divisions with consecutive seeds, on all cores or ``threads``. Divisions in the memo are not solved again.
+        N divisions with consecutive seeds, on all cores or ``threads``. Divisions in the ``memo``, by default
+        :func:`furrow.memo`, are not solved again. ``progress`` is called with the numbers of finished and of all divisions.
 
         Without axial symmetry, for a cell with ``modes=4``, frames are the ``surfaces`` of the division, about 0.5 MB each;
         with them the division has its ``neck`` after every step.
@@ -269,7 +323,8 @@ class Cell:
         :class:`~furrow.NoOutcome` if the cell neither divides nor rests.
         """
         first = seed_of(seed)
-        known = shared_memo() if memo is None else memo
+        known = memo_of(memo)
+        frames = _frames_of(frames)
         count = 1 if replicates is None else whole("replicates", replicates, 1, 1_000_000)
         if replicates is not None and frames is not False:
             raise refused("frames", frames, "False with replicates")
@@ -293,24 +348,26 @@ class Cell:
         frames: SupportsIndex | None = None,
         progress: Progress = None,
     ) -> None:
-        """Writes the division as a movie: GIF, animated PNG or animated SVG by the file's extension. ``frames`` are evenly
-        spaced in time, 80 by default, 20 in SVG."""
+        """Writes the division as a movie: GIF, animated PNG or animated SVG by the extension of ``path``. ``frames`` are evenly
+        spaced in time, 80 by default, 20 in SVG; ``seed`` is that of :meth:`divide`, and ``progress`` is called with the
+        numbers of finished and of all frames."""
         count = None if frames is None else whole("frames", frames, 2, 2000)
         with shown(progress, "frames") as tell:
-            _furrow.write_movie(self._inputs, shared_memo(), seed_of(seed), path_of("path", path), count, tell)
+            _furrow.write_movie(self._inputs, memo_of(None), seed_of(seed), path_of("path", path), count, tell)
 
     def write_frames(
         self, folder: str | os.PathLike[str], seed: SupportsIndex = 0, *, every: SupportsFloat | None = None
     ) -> None:
-        """Writes the shapes of the division into a folder as CSV, after every step or every so many τ, as ``furrow divide
-        --frames`` does; :func:`furrow.compare.contours` of the command line reads it. If the name ends in ``.ply`` or
-        ``.glb``, it writes surfaces: a file for each frame, or one file. Without axial symmetry only these can be written."""
-        step = None if every is None else _number("every", every)
-        _furrow.write_shapes(self._inputs, shared_memo(), seed_of(seed), path_of("folder", folder), step)
+        """Writes the shapes of the division of :meth:`divide` with this ``seed`` into a ``folder`` as CSV, after every step or
+        ``every`` so many τ, as ``furrow divide --frames`` does; ``furrow compare contour`` of the command line reads it. If the
+        name ends in ``.ply`` or ``.glb``, it writes surfaces: a file for each frame, or one file. Without axial symmetry only
+        these can be written."""
+        step = None if every is None else number_of("every", every)
+        _furrow.write_shapes(self._inputs, memo_of(None), seed_of(seed), path_of("folder", folder), step)
 
     def draw(self, seed: SupportsIndex = 0) -> Drawing:
-        """The picture of the division that ``furrow divide --plot`` draws."""
-        return _furrow.draw_division(self._inputs, shared_memo(), seed_of(seed))
+        """The picture that ``furrow divide --plot`` draws of the division of :meth:`divide` with this ``seed``."""
+        return _furrow.draw_division(self._inputs, memo_of(None), seed_of(seed))
 
     def perturb(
         self,
@@ -321,21 +378,22 @@ class Cell:
         threads: SupportsIndex | None = None,
     ) -> Perturbations:
         """Starts from the stationary shape at the cell's activity, disturbed by the noise of the first step, and follows it
-        for ``until`` τ: whether it returns, with its distance from the start over time.
+        for ``until`` τ: whether it returns, with its distance from the start over time. ``replicates`` disturbances have
+        consecutive seeds from ``seed`` on, and are followed on all cores or ``threads``.
 
         >>> import furrow
         >>> [furrow.Cell(2.0, xi_s=xi_s).perturb(until=20)[0].returned for xi_s in (20, 25)]
         [True, False]
         """
         count, first = whole("replicates", replicates, 1, 1_000_000), seed_of(seed)
-        rows, drawing, undecided = _furrow.perturb(self._inputs, first, count, _number("until", until), threads_of(threads))
+        rows, drawing, undecided = _furrow.perturb(self._inputs, first, count, number_of("until", until), threads_of(threads))
         found = [
             Perturbation(
                 division=division(self, row["seed"], row["division"]),
                 returned=row["returned"],
                 start_growth_rate=row["start_growth_rate"],
-                t=np.array(row["distances"])[:, 0],
-                distance=np.array(row["distances"])[:, 1],
+                t=fixed(np.array(row["distances"])[:, 0]),
+                distance=fixed(np.array(row["distances"])[:, 1]),
             )
             for row in rows
         ]
@@ -362,8 +420,9 @@ class Cell:
         critical: bool = False,
         azimuthal: SupportsIndex | None = None,
     ) -> Boundary:
-        """Continues the boundary of division from the ``first`` to the ``last`` value of a parameter: pitchforks and folds of
-        mirror-symmetric shapes, or the fold that ends the stable shapes of a cell with another cue.
+        """Continues the boundary of division from the ``first`` to the ``last`` value of the parameter ``vary``: pitchforks and,
+        unless ``folds`` is False, folds of mirror-symmetric shapes, or the fold that ends the stable shapes of a cell with
+        another cue.
 
         ``critical`` also finds the value at which the boundary lies at the cell's own activity; ``azimuthal=M`` follows the
         activity from which disturbances cos mφ, m = 1 to M, grow.
@@ -374,9 +433,10 @@ class Cell:
         22.0648
         """
         most = None if azimuthal is None else whole("azimuthal", azimuthal, 1, MOST_AZIMUTHAL)
-        ends = [_number("first", first), _number("last", last)]
-        found, drawing, warnings = _furrow.boundary(self._inputs, text_of("vary", vary), ends, bool(folds), bool(critical), most)
-        return Boundary(found, drawing, tuple(warnings))
+        ends = [number_of("first", first), number_of("last", last)]
+        asked = (bool_of("folds", folds), bool_of("critical", critical), most)
+        found, drawing, said = _furrow.boundary(self._inputs, text_of("vary", vary), ends, *asked)
+        return Boundary(found, drawing, tuple(said))
 
     def phase(
         self,
@@ -395,15 +455,15 @@ class Cell:
     ) -> Phase:
         """Maps outcomes over a parameter and ξ_s: rest from the exact edges of stable shapes, χ from divisions elsewhere.
 
+        ``vary`` names the parameter, which has ``points`` values from ``first`` to ``last``; ξ_s has ``xi_points`` from the first
+        to the last value of ``xi_s``. ``seed``, ``memo``, ``threads`` and ``progress`` are those of :meth:`divide`.
         ``azimuthal=M`` draws where disturbances cos mφ, m = 1 to M, begin to grow.
         """
-        known = shared_memo() if memo is None else memo
-        across = (_number("first", first), _number("last", last), whole("points", points, 1, 10_000))
-        if len(xi_s) != 2:
-            raise refused("xi_s", xi_s, "a first and a last value")
-        up = (_number("xi_s", xi_s[0]), _number("xi_s", xi_s[1]), whole("xi_points", xi_points, 1, 10_000))
+        known = memo_of(memo)
+        across = (number_of("first", first), number_of("last", last), whole("points", points, 1, 10_000))
+        up = (*pair_of("xi_s", xi_s), whole("xi_points", xi_points, 1, 10_000))
         with shown(progress, "divisions") as tell:
-            found, drawing, warnings = _furrow.phase(
+            found, drawing, said = _furrow.phase(
                 self._inputs,
                 known,
                 seed_of(seed),
@@ -413,7 +473,7 @@ class Cell:
                 threads_of(threads),
                 tell,
             )
-        return Phase(found, drawing, tuple(warnings))
+        return Phase(found, drawing, tuple(said))
 
     def _frames(self, seed: int, frames: bool | float, places: SupportsIndex | None) -> Frames | None:
         if frames is False:
@@ -423,15 +483,15 @@ class Cell:
         every = _every(frames)
         count = None if places is None else whole("places", places, 1, 64)
         _, of, ends, columns, (axes, wall) = _furrow.film(self._inputs, seed, every, count)
-        return Frames(**of, shell=(axes[2], axes[0]), wall=np.array(wall), _places=columns, _ends=ends)
+        return Frames(**of, shell=(axes[2], axes[0]), wall=fixed(np.array(wall)), _places=columns, _ends=ends)
 
     def _filmed(self, seed: int, memo: Memo, frames: bool | float, places: SupportsIndex | None) -> Division:
         """The division without axial symmetry, with its surfaces."""
         if places is not None:
             raise refused("places", places, "None without axial symmetry, where all frames have the same rings and meridians")
         found, of, grids, (axes, wall) = _furrow.surfaces(self._inputs, memo, seed, _every(frames))
-        surfaces = Surfaces(**of, **grids, shell=(axes[0], axes[1], axes[2]), wall=np.array(wall))
-        neck = Neck(**{name: np.array(values) for name, values in found["neck"].items()})
+        surfaces = Surfaces(**of, **grids, shell=(axes[0], axes[1], axes[2]), wall=fixed(np.array(wall)))
+        neck = Neck(**{name: fixed(np.array(values)) for name, values in found["neck"].items()})
         return division(self, seed, found["division"], surfaces=surfaces, neck=neck, modes=found["modes"])
 
     def steady(self, *, azimuthal: SupportsIndex | None = None) -> Steady:
@@ -481,7 +541,7 @@ class Cell:
 
         Raises :class:`~furrow.NoOutcome` if there is none, as with a cue that breaks the mirror symmetry.
         """
-        return Pitchfork(cell=self, **_furrow.pitchfork(self._inputs, _number("xi_max", xi_max)))
+        return Pitchfork(cell=self, **_furrow.pitchfork(self._inputs, number_of("xi_max", xi_max)))
 
     def branch(
         self,
@@ -499,8 +559,8 @@ class Cell:
         sign. For a cell with ``modes`` the curve ``bent`` has the states at rest without axial symmetry.
         """
         most = None if azimuthal is None else whole("azimuthal", azimuthal, 1, MOST_AZIMUTHAL)
-        volume = None if reduced_volume is None else _number("reduced_volume", reduced_volume)
-        ends_at = (_number("xi_max", xi_max), _number("max_step", max_step))
+        volume = None if reduced_volume is None else number_of("reduced_volume", reduced_volume)
+        ends_at = (number_of("xi_max", xi_max), number_of("max_step", max_step))
         found, points = _furrow.branch(self._inputs, *ends_at, most, volume)
         ends = {end["branch"]: end["why"] for end in found["ends"]}
         scaling = found["scaling"] or (None, None)
@@ -517,19 +577,19 @@ class Cell:
         )
 
 
-def _number(field: str, value: SupportsFloat) -> float:
+def _frames_of(frames: object) -> bool | float:
+    """False, True for all frames, or the interval between frames, in τ."""
+    if isinstance(frames, (bool, np.bool_)):
+        return bool(frames)
     try:
-        return float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise refused(field, value, "a number") from None
+        return number_of("frames", frames)
+    except InputError:
+        raise refused("frames", frames, "True, False or a number of τ") from None
 
 
 def _every(frames: bool | float) -> float | None:
     """The interval between frames, in τ; None for all."""
-    try:
-        return None if frames is True else float(frames)
-    except (TypeError, ValueError):
-        raise refused("frames", frames, "True, False or a number of τ") from None
+    return None if frames is True else float(frames)
 
 
 def _complex(rates: Sequence[Mapping[str, float]]) -> NDArray[np.complex128]:
@@ -557,5 +617,5 @@ def _whole(places: Mapping[str, Any]) -> dict[str, Any]:
             other = np.pi - other
         elif name in _ODD:
             other = -other
-        whole[name] = np.concatenate((half, other))
+        whole[name] = fixed(np.concatenate((half, other)))
     return whole

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import operator
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, SupportsIndex, TypeAlias
+
+import numpy as np
 
 from ._errors import InputError
 
@@ -25,8 +27,8 @@ def refused(field: str, value: object, allowed: str) -> InputError:
 
 
 def number_of(field: str, value: object) -> float:
-    """A number."""
-    if isinstance(value, (bool, str)):
+    """A number; texts and truth values are none."""
+    if isinstance(value, (bool, np.bool_, str, bytes)):
         raise refused(field, value, "a number")
     try:
         return float(value)  # type: ignore[arg-type]
@@ -34,10 +36,55 @@ def number_of(field: str, value: object) -> float:
         raise refused(field, value, "a number") from None
 
 
+def pair_of(field: str, value: object) -> tuple[float, float]:
+    """A first and a last value."""
+    allowed = "a first and a last value, two numbers"
+    if isinstance(value, (str, bytes, Mapping)) or not isinstance(value, Iterable):
+        raise refused(field, value, allowed)
+    ends = list(value)
+    if len(ends) != 2:
+        raise refused(field, value, allowed)
+    return number_of(field, ends[0]), number_of(field, ends[1])
+
+
+def bool_of(field: str, value: object) -> bool:
+    """True or False."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise refused(field, value, "True or False")
+    return bool(value)
+
+
+def shard_of(shard: object) -> tuple[int, int] | None:
+    """Part k of n, if one is given."""
+    if shard is None:
+        return None
+    allowed = "(k, n), part k of n parts"
+    if not isinstance(shard, (tuple, list)) or len(shard) != 2:
+        raise refused("shard", shard, allowed)
+    return whole("shard", shard[0], 1, 1_000_000), whole("shard", shard[1], 1, 1_000_000)
+
+
+def texts_of(field: str, values: object) -> list[str]:
+    """A list of strings."""
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        raise refused(field, values, "a list of texts")
+    return [text_of(field, value) for value in values]
+
+
+def cues_of(cues: object) -> list[str]:
+    """A list of cues, or cues by name, as the command line writes them: ``NAME=CUE``."""
+    if not isinstance(cues, Mapping):
+        return texts_of("cues", cues)
+    for name in cues:
+        if any(sign in text_of("cues", name) for sign in ":,+="):
+            raise refused("cues", name, "names without the signs : , + and =")
+    return [f"{name}={text_of('cues', cue)}" for name, cue in cues.items()]
+
+
 def whole(field: str, value: SupportsIndex, least: int, most: int) -> int:
     """An integer within a range."""
     allowed = f"a whole number from {least} to {most}"
-    if isinstance(value, bool):
+    if isinstance(value, (bool, np.bool_)):
         raise refused(field, value, allowed)
     try:
         number = operator.index(value)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
 from . import _furrow
 from ._checks import given_of, optional_path, path_of, refused, seed_of, text_of, threads_of
 from ._grow import _labelled
-from ._memo import memo as shared_memo
+from ._memo import memo_of
 from ._progress import Progress, shown
 from ._tables import Found, frame
 
@@ -54,14 +53,15 @@ def reproduce(
     """Recomputes figures, tables and movies of the paper, all without an argument, and says what agrees and what differs.
 
     ``data`` is a table of cell volumes for the measured rows. ``out`` is a folder for pictures, in the ``format`` ``svg``,
-    ``pdf`` or ``png``, and tables; ``table`` a file for the Markdown.
+    ``pdf`` or ``png``, and tables; ``table`` a file for the Markdown. Keywords are parameters, over those of ``preset`` and
+    ``config``; ``memo``, ``threads`` and ``progress`` are those of :meth:`Cell.divide`.
 
     >>> import furrow
     >>> found = furrow.reproduce("S3")
     >>> found["differs"]
     0
     """
-    known = shared_memo() if memo is None else memo
+    known = memo_of(memo)
     with shown(progress, "figures") as tell:
         found, markdown = _furrow.reproduce(
             [text_of("figures", figure) for figure in figures],
@@ -74,7 +74,7 @@ def reproduce(
             tell,
         )
     if table is not None:
-        Path(path_of("table", table)).write_text(markdown, encoding="utf-8")
+        _furrow.write_text(path_of("table", table), markdown)
     return Reproduction(found, markdown)
 
 
@@ -89,8 +89,11 @@ def explore(
     memo: Memo | None = None,
     **parameters: Value,
 ) -> int:
-    """Writes a web page that computes divisions in the browser, in one file that works offline. Returns its length in bytes."""
-    known = shared_memo() if memo is None else memo
+    """Writes a web page that computes divisions in the browser, in one file that works offline. Returns its length in bytes.
+
+    The page begins with the tree of ``lineage``, whose first cell has the radius ``r0``; other arguments are those of
+    :func:`tree`."""
+    known = memo_of(memo)
     given = given_of(parameters, preset, config, r0)
     return _furrow.explore(_labelled(lineage), given, known, seed_of(seed), path_of("path", path))
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, SupportsIndex
 
 from . import _furrow
 from ._cell import Cell
-from ._checks import given_of, path_of, refused, seed_of, text_of, text_or_path, threads_of, whole
-from ._memo import memo as shared_memo
+from ._checks import bool_of, cues_of, given_of, path_of, refused, seed_of, text_of, text_or_path, threads_of, whole
+from ._memo import memo_of
 from ._progress import Progress, shown
 from ._results import Division, division
 from ._studies import Constants, Ranges, table_of
@@ -46,7 +46,7 @@ class Scenarios(Mapping[str, Tree]):
         if file.suffix not in (".html", ".csv"):
             raise refused("path", str(path), "a file that ends in .html or .csv")
         page, csv, _ = self._files()
-        file.write_text(page if file.suffix == ".html" else csv, encoding="utf-8")
+        _furrow.write_text(file, page if file.suffix == ".html" else csv)
 
     def __getitem__(self, name: str) -> Tree:
         return self._trees[name]
@@ -105,22 +105,36 @@ def tree(
     (253, 'P0', 0.185)
 
     :func:`scenarios` grows several, :func:`tree_ensemble` one over sets of constants or seeds, and :func:`grow` one whose
-    cells get their parameters from a function.
+    cells get their parameters from a function. ``seed`` is that of the noise, ``preset`` and ``config`` are those of
+    :class:`Cell`, and ``memo``, ``threads`` and ``progress`` those of :meth:`Cell.divide`.
     """
-    known = shared_memo() if memo is None else memo
+    known = memo_of(memo)
     given = given_of(parameters, preset, config, r0, law)
     cues = [] if cue is None else [text_of("cue", cue)]
     with shown(progress, "divisions") as tell:
         named, work = _furrow.grow(
-            [_labelled(lineage)], cues, given, known, seed_of(seed), bool(dynamics), threads_of(threads), tell
+            [_labelled(lineage)],
+            cues,
+            given,
+            known,
+            seed_of(seed),
+            bool_of("dynamics", dynamics),
+            threads_of(threads),
+            tell,
         )
-    return Tree(named[0][1], work)
+    _, grown, doubts = named[0]
+    return Tree(grown, _with(work, doubts))
+
+
+def _with(work: Mapping[str, Any], doubts: Sequence[str]) -> dict[str, Any]:
+    """The work of a run with the warnings of one tree: each once."""
+    return {**work, "warnings": list(dict.fromkeys((*work["warnings"], *doubts)))}
 
 
 def scenarios(
     lineages: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] | None = None,
     *,
-    cues: Sequence[str] = (),
+    cues: Sequence[str] | Mapping[str, str] = (),
     r0: Value | None = None,
     seed: SupportsIndex = 0,
     dynamics: bool = False,
@@ -132,32 +146,35 @@ def scenarios(
     progress: Progress = None,
     **parameters: Value,
 ) -> Scenarios:
-    """Grows every lineage with every cue in one run, as :func:`tree` grows one.
+    """Grows every lineage with every cue in one run, as :func:`tree` grows one with the other arguments.
 
-    Without ``cues`` the lineages keep theirs. ``"my tension=tension:gradient,amplitude=0.3"`` names a scenario.
+    Without ``cues`` the lineages keep theirs. Cues by name, as in ``{"my tension": "tension:gradient,amplitude=0.3"}``, name the
+    scenarios; in a list ``"my tension=tension:gradient,amplitude=0.3"`` does the same. Without ``lineages`` they are grown in
+    the built-in one.
 
     >>> import furrow
     >>> both = furrow.scenarios(cues=["germline", "none"])
     >>> {name: len(tree) for name, tree in both.items()}
     {'c_elegans-germline': 253, 'c_elegans-none': 319}
     """
-    known = shared_memo() if memo is None else memo
+    known = memo_of(memo)
     given = given_of(parameters, preset, config, r0, law)
-    if isinstance(cues, str):
-        raise refused("cues", cues, "a list of cues")
+    named_cues = cues_of(cues)
     listed = [lineages] if lineages is None or isinstance(lineages, (str, os.PathLike)) else list(lineages)
+    if not listed:
+        raise refused("lineages", lineages, "at least one lineage, or None for the built-in one")
     with shown(progress, "divisions") as tell:
         named, work = _furrow.grow(
             [_labelled(one) for one in listed],
-            [text_of("cues", text) for text in cues],
+            named_cues,
             given,
             known,
             seed_of(seed),
-            bool(dynamics),
+            bool_of("dynamics", dynamics),
             threads_of(threads),
             tell,
         )
-    return Scenarios([(names, Tree(grown, work)) for names, grown in named])
+    return Scenarios([(names, Tree(grown, _with(work, doubts))) for names, grown, doubts in named])
 
 
 def tree_ensemble(
@@ -178,13 +195,14 @@ def tree_ensemble(
     **parameters: Value,
 ) -> Ranges:
     """Grows a lineage many times: with every set of ``constants``, a table written by ``furrow calibrate --ensemble`` or the
-    result of :func:`ensemble`, or with ``replicates`` seeds of the noise. Gives the range of every count."""
-    known = shared_memo() if memo is None else memo
+    result of :func:`ensemble`, or with ``replicates`` seeds of the noise from ``seed`` on. Gives the range of every count. Other
+    arguments are those of :func:`tree`; ``dynamics`` is for seeds alone."""
+    known = memo_of(memo)
     given = given_of(parameters, preset, config, r0, law)
     cues = [] if cue is None else [text_of("cue", cue)]
     if (constants is None) == (replicates is None):
         raise refused("constants", constants, "given, or replicates in its place")
-    first, count = seed_of(seed), threads_of(threads)
+    first, count, dynamics = seed_of(seed), threads_of(threads), bool_of("dynamics", dynamics)
     if constants is not None:
         if dynamics:
             raise refused("dynamics", dynamics, "False with constants")
@@ -192,10 +210,10 @@ def tree_ensemble(
         return Ranges(found, drawing)
     seeds = whole("replicates", replicates, 2, 100_000) if replicates is not None else 0
     with shown(progress, "divisions") as tell:
-        grown, found, drawing, page, work = _furrow.grow_spread(
-            _labelled(lineage), cues, given, known, first, seeds, bool(dynamics), count, tell
+        grown, found, drawing, page, work, doubts = _furrow.grow_spread(
+            _labelled(lineage), cues, given, known, first, seeds, dynamics, count, tell
         )
-    return Ranges(found, drawing, Tree(grown, work), page)
+    return Ranges(found, drawing, Tree(grown, _with(work, doubts)), page)
 
 
 @dataclass(frozen=True)
@@ -204,7 +222,7 @@ class NewCell:
 
     ``name``: Its name.
     ``r0``: Its radius R0, in L_h.
-    ``volume_fraction``: Its volume over that of the first cell.
+    ``volume_fraction``: Its volume over that of the first cell, from its share of its mother's.
     ``generation``: Divisions from the first cell.
     ``side``: ``anterior`` or ``posterior``; None for the first cell.
     ``mother``: Its mother's parameters; None for the first cell.
@@ -235,8 +253,11 @@ def grow(
     """Grows a tree whose cells get their parameters from a function: shells set by the mother, cues that are lost, anything.
 
     ``parameters`` is called for every cell after the first and returns its :class:`Cell`; None ends the branch as a limit of
-    depth would. Daughters are named by their mother's name and ``a`` (anterior, the pole u = 1) or ``p`` (posterior).
-    A generation is solved at once, on all cores. Every cell's division is computed.
+    depth would. The first cell is called ``name``, and daughters by their mother's name and ``a`` (anterior, the pole u = 1) or
+    ``p`` (posterior). The smaller daughter of a cell whose poles are alike is on a side that ``seed`` and the cell's name draw,
+    as in :func:`tree`. Branches end after ``max_depth`` divisions, and the tree at ``max_cells``.
+    A generation is solved at once, on all cores or ``threads``. Every cell's division is computed. ``memo`` and ``progress`` are
+    those of :meth:`Cell.divide`.
 
     Each shell is rounder than that of the mother:
 
@@ -247,7 +268,7 @@ def grow(
     >>> [cell.name for cell in grown], round(float(grown.cells["aspect"][1]), 3)
     (['Z', 'Za', 'Zp'], 1.404)
     """
-    known = shared_memo() if memo is None else memo
+    known = memo_of(memo)
     born: dict[str, Cell] = {}
     numerics = ("stages", "intervals", "modes", "elements")
 
@@ -277,6 +298,8 @@ def grow(
 
     if not isinstance(first, Cell):
         raise refused("first", first, "a Cell")
+    if not callable(parameters):
+        raise refused("parameters", parameters, "a function that takes a NewCell and returns a Cell or None")
     limits = whole("max_depth", max_depth, 0, 1000), whole("max_cells", max_cells, 1, 10_000_000)
     named = text_of("name", name)
     with shown(progress, "divisions") as tell:

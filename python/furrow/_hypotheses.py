@@ -7,11 +7,25 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, SupportsIndex
 
 from . import _furrow
-from ._checks import given_of, number_of, optional_path, path_of, refused, seed_of, text_of, threads_of, whole
-from ._memo import memo as shared_memo
+from ._checks import (
+    bool_of,
+    cues_of,
+    given_of,
+    number_of,
+    optional_path,
+    path_of,
+    refused,
+    seed_of,
+    shard_of,
+    text_of,
+    texts_of,
+    threads_of,
+    whole,
+)
+from ._memo import memo_of
 from ._progress import Progress, shown
 from ._shapes import Drawn
-from ._tables import OfEmbryos, Table, frame, matching_of, of_embryos, tables_of
+from ._tables import TABLES, OfEmbryos, Table, frame, matching_of, of_embryos, tables_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,12 +42,11 @@ class Hypotheses(Drawn):
         self._points, self._table = samples
 
     def save_samples(self, path: str | os.PathLike[str]) -> None:
-        """Writes the samples of all hypotheses as a table (CSV), which ``furrow.grow(constants=…)`` reads, or
+        """Writes the samples of all hypotheses as a table (CSV), which ``furrow.tree_ensemble(constants=…)`` reads, or
         :func:`furrow.merge` the tables of all parts."""
         if not any(self._points):
             raise refused("samples", None, "given in the test")
-        with open(path_of("path", path), "w", encoding="utf-8", newline="") as file:
-            file.write(self._table)
+        _furrow.write_text(path_of("path", path), self._table)
 
     def samples_to_pandas(self, hypothesis: str | None = None) -> pd.DataFrame:
         """The sample of a hypothesis, by default of the first: one column per number, one row per point."""
@@ -63,29 +76,16 @@ class Hypotheses(Drawn):
         return frame({name: [row[k] for row in rows] for k, name in enumerate(("hypothesis", *names))})
 
 
-def _texts(field: str, values: Sequence[str]) -> list[str]:
-    if isinstance(values, str):
-        raise refused(field, values, "a list of texts")
-    return [text_of(field, value) for value in values]
-
-
-def _cues(cues: Sequence[str] | Mapping[str, str]) -> list[str]:
-    if isinstance(cues, Mapping):
-        return [f"{text_of('cues', name)}={text_of('cues', cue)}" for name, cue in cues.items()]
-    return _texts("cues", cues)
-
-
-def _tables(table: Table) -> tuple[list[str], str | None]:
-    files, text = tables_of(table)
-    if not files and text is None:
-        raise refused("table", table, "a file, several files, a DataFrame or columns by name")
-    return files, text
+def _tables(table: Table, name: str) -> tuple[list[str], str | None]:
+    if table is None:
+        raise refused(name, table, TABLES)
+    return tables_of(table, name)
 
 
 def _lifetimes(table: Table | None, sd: float) -> tuple[tuple[list[str], str | None], float] | None:
     if table is None:
         return None
-    return (([], None) if isinstance(table, str) and table == "published" else _tables(table)), sd
+    return (([], None) if isinstance(table, str) and table == "published" else _tables(table, "lifetimes")), sd
 
 
 def test(
@@ -136,20 +136,24 @@ def test(
     founders that the lineage has as observed, with this standard deviation in rounds. ``lifetimes`` is a table of
     :func:`furrow.compare.lifetimes`, or ``"published"``; ``lifetime_sd`` is the standard deviation of ln lifetime of the cells of
     a generation about the lineage's clock.
+
+    ``lineage`` has the cells and the names of cues, and ``unit`` is that of volumes in tables which name none. Each best fit is
+    searched for by a swarm of ``particles`` with so many ``moves``, from ``seed`` on. Keywords are parameters, over those of
+    ``preset`` and ``config``; ``memo``, ``threads`` and ``progress`` are those of :meth:`furrow.Cell.divide`.
     """
-    named = _cues(cues)
+    named = cues_of(cues)
     if not named and hypotheses is None:
         raise refused("cues", cues, "at least one cue")
     asked = {
-        "table": _tables(table),
+        "table": _tables(table, "table"),
         "cues": named,
-        "free": None if free is None else _texts("free", free) or ["none"],
+        "free": None if free is None else texts_of("free", free) or ["none"],
         "lineage": optional_path("lineage", lineage),
         "noise": None if noise is None else text_of("noise", noise),
-        "folded": bool(folded),
-        "cells": None if cells is None else _texts("cells", cells),
-        "population": None if population is None else _texts("population", population),
-        "class": _texts("class_columns", class_columns),
+        "folded": bool_of("folded", folded),
+        "cells": None if cells is None else texts_of("cells", cells),
+        "population": None if population is None else texts_of("population", population),
+        "class": texts_of("class_columns", class_columns),
         "voxel": of_embryos("voxel", voxel),
         "matching": matching_of(names, root),
         "unit": None if unit is None else text_of("unit", unit),
@@ -162,9 +166,9 @@ def test(
             seed_of(seed),
         ),
         "samples": None if samples is None else whole("samples", samples, 20, 100_000),
-        "shard": None if shard is None else (whole("shard", shard[0], 1, 1_000_000), whole("shard", shard[1], 1, 1_000_000)),
+        "shard": shard_of(shard),
     }
-    known = shared_memo() if memo is None else memo
+    known = memo_of(memo)
     with shown(progress, "candidates") as tell:
         found, drawing, samples_of = _furrow.test(asked, given_of(parameters, preset, config), known, threads_of(threads), tell)
     return Hypotheses(found, drawing, samples_of)

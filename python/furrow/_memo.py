@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import threading
 
+from ._checks import optional_path, refused
 from ._furrow import Memo
 
 
@@ -32,13 +33,21 @@ def memo() -> Memo:
         return _Shared.memo
 
 
+def memo_of(given: Memo | None) -> Memo:
+    """The memo that a call is given, or the shared one."""
+    if given is None:
+        return memo()
+    if not isinstance(given, Memo):
+        raise refused("memo", given, "a furrow.Memo, such as furrow.Memo('cache'), or None")
+    return given
+
+
 def use_store(folder: str | os.PathLike[str] | None, r0_step: float | None = None) -> Memo:
-    """Stores divisions in a cache folder from now on, or with None only in memory.
+    """Stores divisions in a cache folder from now on, or with None only in memory. ``r0_step`` is the relative step to which R0
+    is rounded before a division is looked up, from 0 to 0.5.
 
     Returns the memo that all calls share from now on. ``furrow --cache`` uses the same folder.
     """
-    from ._checks import optional_path
-
     fresh = Memo(optional_path("store", folder), r0_step)
     with _Shared.lock:
         _Shared.memo = fresh

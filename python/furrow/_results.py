@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from ._checks import number_of, refused
 from ._tables import frame, html_table, shown
 
 if TYPE_CHECKING:
@@ -136,7 +137,10 @@ class Series(Sequence[One]):
         return (self._one(k) for k in range(len(self)))
 
     def at(self, t: float) -> One:
-        """The frame closest to a time."""
+        """The frame closest to a time ``t``, in τ."""
+        t = number_of("t", t)
+        if not np.isfinite(t):
+            raise refused("t", t, "a finite number of τ")
         return self[int(np.argmin(np.abs(self.t - t)))]
 
     def __repr__(self) -> str:
@@ -289,7 +293,7 @@ class Division(Result):
 
     def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
         """Contours, asymmetry and the balance of forces, or sections, neck and asymmetry without axial symmetry; needs
-        matplotlib and frames."""
+        matplotlib and frames. With ``path`` the figure is also written there."""
         from . import plot
 
         return plot.saved(plot.division(self), path)
@@ -356,9 +360,11 @@ class Replicates(Sequence[Division]):
 
     @property
     def chi_sd(self) -> float | None:
-        """Standard deviation of χ of the cells that divided; None for fewer than two."""
+        """Standard deviation of χ of the cells that divided: 0 of one, None without any."""
         chi = self.chi[~np.isnan(self.chi)]
-        return float(chi.std(ddof=1)) if len(chi) > 1 else None
+        if len(chi) < 2:
+            return 0.0 if len(chi) else None
+        return float(chi.std(ddof=1))
 
     def to_dict(self) -> dict[str, Any]:
         """The result as numbers, strings and lists."""

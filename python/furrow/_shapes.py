@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, SupportsFloat, overload
 
 from . import _furrow
-from ._checks import given_of, optional_path, path_of, text_of
+from ._checks import given_of, number_of, optional_path, path_of, refused, text_of
 from ._results import Array, Division, Result
 from ._tables import Found, frame, positive
 
@@ -160,15 +160,18 @@ def polarity(
     and at which size it ends.
 
     ``par`` sets constants of the chemistry, such as ``{"d_p": 0.1, "psi": 0.174}``; ``length_um`` is L_h in µm. κ follows P as a
-    ``profile``, ``step`` or ``band``, of this ``amplitude``.
+    ``profile``, ``step`` or ``band``, of this ``amplitude``. ``lineage`` has the germline and the units; ``preset``, ``config``,
+    ``law`` and keywords are those of :class:`Cell`.
     """
+    if par is not None and not isinstance(par, Mapping):
+        raise refused("par", par, "constants by name, as {'d_p': 0.1}")
     found, profiles = _furrow.polarity(
         given_of(parameters, preset, config, r0, law),
         optional_path("lineage", lineage),
         r0 is not None,
-        dict(par or {}),
+        {text_of("par", name): value for name, value in (par or {}).items()},
         None if length_um is None else positive("length_um", length_um),
         text_of("profile", profile),
-        float(amplitude),
+        number_of("amplitude", amplitude),
     )
     return Polarity(found, dict(profiles))

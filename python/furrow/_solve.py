@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, SupportsFloat, SupportsIndex
 
 from . import _furrow
-from ._checks import given_of, number_of, optional_path, refused, seed_of, text_of, threads_of, whole
-from ._memo import memo as shared_memo
+from ._checks import given_of, number_of, optional_path, pair_of, refused, seed_of, text_of, threads_of, whole
+from ._memo import memo_of
 from ._progress import Progress, shown
 
 if TYPE_CHECKING:
@@ -48,6 +48,9 @@ def solve(
     not divide; ``seen``, the least and the greatest outcome and where; and ``divisions``, how many it took.
     Without a root it raises :class:`NoOutcome`, which says what was seen.
 
+    ``cue``, ``lineage``, ``preset``, ``config``, ``law`` and keywords are those of :class:`Cell`, and ``seed``, ``memo``,
+    ``threads`` and ``progress`` those of :meth:`Cell.divide`.
+
     >>> import furrow
     >>> found = furrow.solve("epsilon", chi=0.41, r0=2.977, cue="germline")
     >>> [round(root["value"], 6) for root in found["roots"]]
@@ -57,16 +60,16 @@ def solve(
     if len(wanted) != 1:
         raise refused("chi", chi, "given, or one of chi_signed, u and t in its place, and no two of them")
     ((name, value),) = wanted.items()
-    if text_of("unknown", unknown) in parameters:
-        raise refused(unknown, parameters[unknown], "left out: it is the unknown")
-    if unknown not in ("r0", "R0") and not parameters.keys() & {"r0", "R0"}:
+    canonical = _furrow.canonical_name(text_of("unknown", unknown))
+    for given, other in parameters.items():
+        if _furrow.canonical_name(given) == canonical:
+            raise refused(given, other, f"left out: {unknown} is the unknown")
+    if canonical != "r0" and not any(_furrow.canonical_name(given) == "r0" for given in parameters):
         raise refused("r0", None, f"given where {unknown} is the unknown")
-    ends = None if range is None else [number_of("range", end) for end in range]
-    if ends is not None and len(ends) != 2:
-        raise refused("range", range, "a first and a last value")
+    ends = None if range is None else list(pair_of("range", range))
     place = optional_path("lineage", lineage)
     inputs = _furrow.Inputs(given_of(parameters, preset, config, law=law), text_of("cue", cue), place)
-    known = shared_memo() if memo is None else memo
+    known = memo_of(memo)
     asked = (name, number_of(name, value))
     count = whole("points", points, 2, 100_000)
     with shown(progress, "divisions") as tell:

@@ -5,15 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
 import numpy as np
 
 from . import _furrow
-from ._checks import given_of, path_of, refused, seed_of, text_of, text_or_path, threads_of, whole
+from ._checks import given_of, path_of, refused, seed_of, text_or_path, texts_of, threads_of, whole
 from ._results import Array, Result
-from ._tables import Found, frame
+from ._tables import Found, fixed, frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -117,7 +116,7 @@ class Ranges:
         elif self._page is None:
             raise refused("path", str(path), "a file that ends in .svg, .pdf or .png: a page is of one tree")
         else:
-            Path(file).write_text(self._page, encoding="utf-8")
+            _furrow.write_text(file, self._page)
 
     @property
     def founders(self) -> Sequence[Mapping[str, Any]]:
@@ -152,7 +151,7 @@ class Ranges:
         return f"<furrow.Ranges of {len(self.founders)} founders over {self.members} sets of constants>"
 
     def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Rounds of the founders with their ranges; needs matplotlib."""
+        """Rounds of the founders with their ranges; needs matplotlib. With ``path`` the figure is also written there."""
         from . import plot
 
         return plot.saved(plot.ranges(self), path)
@@ -182,7 +181,7 @@ def calibrate(
     """Fits constants to thresholds and reports what these leave open.
 
     ``targets`` is a file such as ``data/thresholds.ron`` or its text; ``unknowns`` names other constants to vary; keywords
-    are parameters at which the search starts.
+    are parameters at which the search starts, over those of ``preset`` and ``config``.
     """
     found = _furrow.calibrate(_targets(targets), _names(unknowns), given_of(parameters, preset, config))
     return Calibration(
@@ -196,7 +195,7 @@ def calibrate(
 
 
 def _names(unknowns: Sequence[str] | None) -> list[str] | None:
-    return None if unknowns is None else [text_of("unknowns", name) for name in unknowns]
+    return None if unknowns is None else texts_of("unknowns", unknowns)
 
 
 class Front(Found):
@@ -223,7 +222,8 @@ def front(
     threads: SupportsIndex | None = None,
     **parameters: Value,
 ) -> Front:
-    """Searches among ``members`` sets of constants for the front: the least worst threshold for each number of statements met."""
+    """Searches among ``members`` sets of constants for the front: the least worst threshold for each number of statements met.
+    ``seed`` is that of the search; other arguments are those of :func:`calibrate`."""
     source, given = _targets(targets), given_of(parameters, preset, config)
     count = whole("members", members, 1, 10_000_000)
     return Front(_furrow.front(source, _names(unknowns), count, seed_of(seed), given, threads_of(threads)))
@@ -240,15 +240,16 @@ def ensemble(
     threads: SupportsIndex | None = None,
     **parameters: Value,
 ) -> Constants:
-    """Samples ``members`` sets of constants that agree with the targets, for :func:`furrow.tree_ensemble`."""
+    """Samples ``members`` sets of constants that agree with the targets, for :func:`furrow.tree_ensemble`. ``seed`` is that of
+    the sample; other arguments are those of :func:`calibrate`."""
     source = _targets(targets)
     given = given_of(parameters, preset, config)
     count = whole("members", members, 1, 100_000)
     found = _furrow.ensemble(source, _names(unknowns), count, seed_of(seed), given, threads_of(threads))
     return Constants(
         parameters=tuple(found["parameters"]),
-        values=np.array(found["values"], dtype=np.float64),
-        weights=np.array(found["weights"], dtype=np.float64),
+        values=fixed(np.array(found["values"], dtype=np.float64)),
+        weights=fixed(np.array(found["weights"], dtype=np.float64)),
         effective_sample_size=found["effective_sample_size"],
         draws=found["draws"],
         excluded=found["excluded"],

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
 import numpy as np
 
 from . import _furrow
-from ._checks import given_of, optional_path, refused, seed_of, text_of, threads_of, whole
-from ._memo import memo as shared_memo
+from ._checks import given_of, optional_path, path_of, refused, seed_of, shard_of, text_of, threads_of, whole
+from ._memo import memo_of
 from ._progress import Progress, shown
 from ._tables import frame
 
@@ -25,16 +25,26 @@ class Sweep(Mapping[str, Any]):
     """The table of a sweep: columns by name, first those of the axes. Numbers are arrays with NaN for missing values;
     strings are lists."""
 
-    def __init__(self, columns: Mapping[str, Any], undecided: Mapping[int, str], csv: str, solved: int, reused: int) -> None:
+    def __init__(
+        self,
+        columns: Mapping[str, Any],
+        undecided: Mapping[int, str],
+        csv: str,
+        work: tuple[int, int],
+        warnings: Sequence[str] = (),
+    ) -> None:
         self._columns = dict(columns)
         #: Why points are undecided, by row number.
         self.undecided = dict(undecided)
         #: The table, byte-identical to ``results.csv`` of ``furrow sweep``.
         self.csv = csv
         #: Divisions or shapes solved.
-        self.solved = solved
+        self.solved = work[0]
         #: Divisions or shapes reused from the memo or another point.
-        self.reused = reused
+        self.reused = work[1]
+        #: Warnings of the run, such as a cache that cannot be written or divisions with a second neck, and doubts about its
+        #: input.
+        self.warnings = tuple(warnings)
 
     def __getitem__(self, name: str) -> Any:
         return self._columns[name]
@@ -82,6 +92,8 @@ def _value(value: object) -> float | str:
     """A value of an axis."""
     if isinstance(value, str):
         return value
+    if isinstance(value, os.PathLike):
+        return path_of("axes", value)
     if isinstance(value, (bool, np.bool_)):
         raise refused("axes", value, "numbers or words")
     try:
@@ -96,10 +108,28 @@ def _value(value: object) -> float | str:
 def _axes(axes: Mapping[str, Iterable[Any]]) -> list[tuple[str, list[float | str]]]:
     if not isinstance(axes, Mapping):
         raise refused("axes", axes, "names of parameters with their values, as {'r0': [1.6, 2.0]}")
-    for name, values in axes.items():
-        if isinstance(values, str) or not isinstance(values, Iterable):
-            raise refused(f"axes[{name!r}]", values, "a list of values")
-    return [(text_of("axes", name), [_value(value) for value in values]) for name, values in axes.items()]
+    return [(text_of("axes", name), [_value(value) for value in _listed(name, values)]) for name, values in axes.items()]
+
+
+def _listed(name: str, values: Any) -> list[Any]:
+    """The values of an axis."""
+    try:
+        if not isinstance(values, (str, bytes, Mapping)):
+            return list(values)
+    except TypeError:
+        # A number, also one of numpy, which says that it could be listed.
+        pass
+    raise refused(f"axes[{name!r}]", values, "a list of values")
+
+
+def _check_apart(axes: list[tuple[str, list[float | str]]], cue: str | None, parameters: Mapping[str, Any]) -> None:
+    """Refuses parameters that the axes vary, by whatever name."""
+    varied = {_furrow.canonical_name(name): name for name, _ in axes}
+    given = {**parameters, **({} if cue is None else {"cue": cue})}
+    for name, value in given.items():
+        axis = varied.get(_furrow.canonical_name(name))
+        if axis is not None:
+            raise refused(name, value, f"left out: the axis {axis!r} has its values")
 
 
 def sweep(
@@ -128,18 +158,22 @@ def sweep(
     ``division``, ``tree``, ``pitchfork`` or ``critical``. With ``out`` the files of ``furrow sweep`` are written to that folder.
     ``shard=(k, n)`` solves part k of n, which :func:`merge` puts together.
 
+    Divisions with the ``cue``, and keywords as parameters that no axis varies, have ``replicates`` consecutive seeds from
+    ``seed`` on. ``lineage`` has the founders of trees and names of cues. ``preset``, ``config`` and ``law`` are those of
+    :class:`Cell`, and ``memo``, ``threads`` and ``progress`` those of :meth:`Cell.divide`.
+
     >>> import furrow
     >>> sizes = furrow.sweep(axes={"r0": [1.5, 2.0, 2.5]})
     >>> sizes["outcome"]
     ['failed', 'asymmetric', 'symmetric']
     """
-    known = shared_memo() if memo is None else memo
+    known = memo_of(memo)
     if file is None:
         if axes is None:
             raise refused("axes", None, "given if there is no file")
     elif axes is not None or cue is not None or lineage is not None or replicates != 1 or seed != 0 or kind != "division":
         raise refused("file", file, "given without axes, kind, cue, replicates, seed and lineage, which it says itself")
-    asked = {
+    asked: dict[str, Any] = {
         "file": optional_path("file", file),
         "kind": text_of("kind", kind),
         "axes": [] if axes is None else _axes(axes),
@@ -150,7 +184,8 @@ def sweep(
     }
     given = given_of(parameters, preset, config, law=law)
     folder = optional_path("out", out)
-    part = None if shard is None else (whole("shard", shard[0], 1, 1_000_000), whole("shard", shard[1], 1, 1_000_000))
+    part = shard_of(shard)
+    _check_apart(asked["axes"], cue, parameters)
     with shown(progress, "points") as tell:
-        columns, why, csv, (solved, reused) = _furrow.sweep(asked, given, known, folder, part, threads_of(threads), tell)
-    return Sweep(columns, dict(why), csv, solved, reused)
+        columns, why, csv, work, said = _furrow.sweep(asked, given, known, folder, part, threads_of(threads), tell)
+    return Sweep(columns, dict(why), csv, work, said)

@@ -9,8 +9,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, SupportsFloat, Union
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ._checks import path_of, refused, text_of
+from ._checks import bool_of, number_of, path_of, refused, text_of, texts_of
+from ._errors import InputError
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -21,30 +23,57 @@ if TYPE_CHECKING:
 Table: TypeAlias = Union[str, "os.PathLike[str]", Sequence[Union[str, "os.PathLike[str]"]], Mapping[str, Any], "pd.DataFrame"]
 
 
-def tables_of(table: Table | None) -> tuple[list[str], str | None]:
-    """Files, or a table as CSV."""
+#: What a table may be.
+TABLES = "a file, several files, a DataFrame or columns by name"
+
+
+def tables_of(table: Table | None, name: str = "table") -> tuple[list[str], str | None]:
+    """Files, or a table as CSV; ``name`` is the argument."""
     if table is None:
         return [], None
     if isinstance(table, (str, os.PathLike)):
-        return [path_of("table", table)], None
+        return [path_of(name, table)], None
     if hasattr(table, "to_csv") and hasattr(table, "columns"):
-        given: Any = table
-        # Short floats would be written with the digits that tell them apart, which are too few for long ones.
-        given = given.astype(dict.fromkeys(given.select_dtypes("float32"), "float64"))
-        return [], str(given.to_csv(index=False))
+        return [], _csv_of_frame(table)
     if isinstance(table, Mapping):
-        columns = {text_of("table", name): [_plain(value) for value in values] for name, values in table.items()}
-        if len({len(values) for values in columns.values()}) > 1:
-            raise refused("table", {name: len(values) for name, values in columns.items()}, "columns of equal length")
-        out = io.StringIO()
-        writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(columns)
-        # str of a Python float has all its digits.
-        writer.writerows(zip(*columns.values(), strict=True))
-        return [], out.getvalue()
-    if isinstance(table, Iterable):
-        return [path_of("table", one) for one in table], None
-    raise refused("table", table, "a file, several files, a DataFrame or columns by name")
+        return [], _csv_of_columns(table, name)
+    if not isinstance(table, Iterable):
+        raise refused(name, table, TABLES)
+    files = [path_of(name, one) for one in table]
+    if not files:
+        raise refused(name, table, f"{TABLES}; this list is empty")
+    return files, None
+
+
+def _csv_of_frame(given: Any) -> str:
+    """A DataFrame as CSV."""
+    # Short floats would be written with the digits that tell them apart, which are too few for long ones.
+    short = [name for name, kind in given.dtypes.items() if str(kind).lower() in ("float16", "float32")]
+    given = given.astype(dict.fromkeys(short, "float64"))
+    firsts = [given.columns[0], *given.iloc[:, 0]] if len(given.columns) else []
+    return str(given.to_csv(index=_begins_like_a_comment(firsts)))
+
+
+def _csv_of_columns(table: Mapping[str, Any], name: str) -> str:
+    """Columns by name as CSV."""
+    columns = {text_of(name, column): [_plain(value) for value in values] for column, values in table.items()}
+    lengths = {column: len(values) for column, values in columns.items()}
+    if len(set(lengths.values())) != 1:
+        raise refused(name, lengths, "columns of equal length, at least one")
+    if _begins_like_a_comment([next(iter(columns)), *next(iter(columns.values()))]):
+        columns = {"": list(range(next(iter(lengths.values())))), **columns}
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(columns)
+    # str of a Python float has all its digits.
+    writer.writerows(zip(*columns.values(), strict=True))
+    return out.getvalue()
+
+
+def _begins_like_a_comment(firsts: Iterable[object]) -> bool:
+    """Whether a row of a file that begins with one of these would be taken for a comment, or for Excel's line of the separator.
+    A table in memory has neither: its rows are numbered then, in a first column without a name."""
+    return any(isinstance(first, str) and (first.startswith("#") or first == "sep=") for first in firsts)
 
 
 def _plain(value: object) -> object:
@@ -52,11 +81,11 @@ def _plain(value: object) -> object:
     return value.item() if isinstance(value, np.generic) else value
 
 
-def source_of(table: Table | None) -> tuple[str | None, str | None]:
-    """One table as CSV, or its file."""
-    files, text = tables_of(table)
+def source_of(table: Table | None, name: str = "table") -> tuple[str | None, str | None]:
+    """One table as CSV, or its file; ``name`` is the argument."""
+    files, text = tables_of(table, name)
     if table is not None and text is None and len(files) != 1:
-        raise refused("table", table, "one file, a DataFrame or columns by name")
+        raise refused(name, table, "one file, a DataFrame or columns by name")
     return text, files[0] if files else None
 
 
@@ -75,8 +104,8 @@ def of_embryos(name: str, value: OfEmbryos | None) -> list[tuple[str | None, flo
 
 def matching_of(names: Table | None, root: str | Sequence[str] | None) -> tuple[tuple[str | None, str | None], list[str]]:
     """A table of names, and roots."""
-    roots = [root] if isinstance(root, str) else list(root or [])
-    return source_of(names), [text_of("root", one) for one in roots]
+    roots = [root] if isinstance(root, str) else texts_of("root", root or [])
+    return source_of(names, "names"), roots
 
 
 def times_of(
@@ -88,11 +117,18 @@ def times_of(
     root: str | Sequence[str] | None,
 ) -> dict[str, Any]:
     """What lifetimes and volumes are read from."""
+    if table is None and bool_of("common_pace", common_pace):
+        raise refused("common_pace", common_pace, "False without a table: published lifetimes are means of all embryos")
+    if table is None and frame_minutes is not None:
+        raise refused("frame_minutes", frame_minutes, "given with a table: published lifetimes are in minutes")
+    asked = tables_of(table)
+    if asked[1] is not None and frame_minutes is not None:
+        raise refused("frame_minutes", frame_minutes, "left out: tables have times in a unit, and no file has frames")
     return {
-        "table": tables_of(table),
-        "volumes": tables_of(volumes),
+        "table": asked,
+        "volumes": tables_of(volumes, "volumes"),
         "frame_minutes": of_embryos("frame_minutes", frame_minutes),
-        "common_pace": bool(common_pace),
+        "common_pace": bool_of("common_pace", common_pace),
         "matching": matching_of(names, root),
     }
 
@@ -110,12 +146,18 @@ def positive(name: str, value: SupportsFloat) -> float:
     """A finite number above 0."""
     allowed = "a finite number above 0"
     try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
+        number = number_of(name, value)
+    except InputError:
         raise refused(name, value, allowed) from None
     if not (np.isfinite(number) and number > 0.0):
         raise refused(name, value, allowed)
     return number
+
+
+def fixed(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    """An array that cannot be written to: results do not change."""
+    array.setflags(write=False)
+    return array
 
 
 class Found(Mapping[str, Any]):

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -90,13 +91,14 @@ class Tree:
 
     def __init__(self, grown: GrownTree, work: Mapping[str, Any] | None = None) -> None:
         self._grown = grown
-        self._cells: dict[str, Any] | None = None
+        self._cells: Mapping[str, Any] | None = None
         self._numbers_of: dict[str, int] | None = None
         #: Divisions solved.
         self.divisions_solved: int = 0 if work is None else work["divisions_solved"]
         #: Divisions reused from the memo.
         self.memo_hits: int = 0 if work is None else work["memo_hits"]
-        #: Warnings of the run, such as a cache that cannot be written.
+        #: Warnings of the run, such as a cache that cannot be written, and doubts about the lineage and the tree, such as rules
+        #: that never act or cells that are undecided.
         self.warnings: tuple[str, ...] = () if work is None else tuple(work["warnings"])
 
     def __len__(self) -> int:
@@ -106,7 +108,7 @@ class Tree:
     def cells(self) -> Mapping[str, Any]:
         """All columns by name: numbers as arrays, strings as lists."""
         if self._cells is None:
-            self._cells = self._grown.cells()
+            self._cells = MappingProxyType(self._grown.cells())
         return self._cells
 
     def _number_of(self) -> Mapping[str, int]:
@@ -230,14 +232,16 @@ class Tree:
 
     @overload
     def export(
-        self, format: str, lengths: str = "time", *, path: None = None, subtree: str | None = None
+        self, format: str, lengths: str | None = None, *, path: None = None, subtree: str | None = None
     ) -> str | dict[str, str] | dict[str, bytes]: ...
     @overload
-    def export(self, format: str, lengths: str = "time", *, path: str | os.PathLike[str], subtree: str | None = None) -> None: ...
+    def export(
+        self, format: str, lengths: str | None = None, *, path: str | os.PathLike[str], subtree: str | None = None
+    ) -> None: ...
     def export(
         self,
         format: str,
-        lengths: str = "time",
+        lengths: str | None = None,
         *,
         path: str | os.PathLike[str] | None = None,
         subtree: str | None = None,
@@ -246,10 +250,11 @@ class Tree:
         ``ctc``, or ``itol`` and ``geff``, which give several files by name. With ``path`` it is written there instead, to a file,
         or for ``itol`` and ``geff`` to a folder.
 
-        ``lengths`` are the branch lengths: ``time``, ``generation``, ``none`` or, if the lineage has a clock, ``minutes``.
-        ``subtree`` names a cell: only that one and those below it are exported.
+        ``lengths`` are the branch lengths: ``time``, the default, ``generation``, ``none`` or, if the lineage has a clock,
+        ``minutes``. ``csv`` has a column for each and takes none, and ``lineagetree``, ``geff`` and ``ctc`` take ``generation``
+        or ``minutes``. ``subtree`` names a cell: only that one and those below it are exported.
         """
-        format, lengths = text_of("format", format), text_of("lengths", lengths)
+        format, lengths = text_of("format", format), None if lengths is None else text_of("lengths", lengths)
         root = None if subtree is None else text_of("subtree", subtree)
         if path is not None:
             self._grown.write_export(format, lengths, root, path_of("path", path))
@@ -332,15 +337,15 @@ class Tree:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes ``tree.json``, or by file extension Newick (``.nwk``), a drawing (``.svg``) or the interactive page
-        (``.html``)."""
+        (``.html``). The file is written whole or not at all."""
         file = Path(path_of("path", path))
         texts = {".json": self.to_json, ".nwk": self.newick, ".svg": self.svg, ".html": self._grown.html}
         if file.suffix not in texts:
             raise refused("path", str(path), f"a file that ends in {', '.join(texts)}")
-        file.write_text(texts[file.suffix](), encoding="utf-8")
+        _furrow.write_text(file, texts[file.suffix]())
 
     def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Rounds of the founders and the observed rounds; needs matplotlib."""
+        """Rounds of the founders and the observed rounds; needs matplotlib. With ``path`` the figure is also written there."""
         from . import plot
 
         return plot.saved(plot.rounds(self), path)

@@ -13,7 +13,7 @@ import os
 from typing import Any
 
 from . import _furrow
-from ._checks import path_of
+from ._checks import bool_of, path_of
 
 
 def stat(folder: str | os.PathLike[str]) -> dict[str, Any]:
@@ -23,7 +23,7 @@ def stat(folder: str | os.PathLike[str]) -> dict[str, Any]:
 
 def verify(folder: str | os.PathLike[str], *, repair: bool = False) -> dict[str, Any]:
     """Checks every entry and lists the ``damaged`` ones; ``repair`` removes them."""
-    return _furrow.cache(path_of("folder", folder), "repair" if repair else "verify")
+    return _furrow.cache(path_of("folder", folder), "repair" if bool_of("repair", repair) else "verify")
 
 
 def clear(folder: str | os.PathLike[str]) -> dict[str, Any]:

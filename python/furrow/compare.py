@@ -12,14 +12,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _furrow
-from ._cell import _number
-from ._checks import given_of, optional_path, refused, text_of, threads_of
+from ._checks import given_of, number_of, optional_path, refused, text_of, texts_of, threads_of
 from ._grow import tree as grow
-from ._memo import memo as shared_memo
+from ._memo import memo_of
 from ._progress import Progress, shown
 from ._results import Division, Frame, Frames
 from ._studies import Constants, table_of
-from ._tables import Found, OfEmbryos, Table, frame, matching_of, of_embryos, positive, source_of, tables_of, times_of
+from ._tables import Found, OfEmbryos, Table, fixed, frame, matching_of, of_embryos, positive, source_of, tables_of, times_of
 from ._tree import Tree
 
 if TYPE_CHECKING:
@@ -146,8 +145,10 @@ def dose(
     ``table`` has the columns ``dose`` (1 is the wild type) and ``larger_share``, the larger daughter's share of the size of
     both, and optionally ``condition``. Without it the published means over the dose of PAR-6 are used. The cell, of the
     radius ``r0``, has the whole ``cue`` at dose 1 and none at 0. ``bins`` are rising edges of the dose, 0.2 apart by default.
+    ``lineage``, ``preset``, ``config``, ``law`` and keywords are those of :class:`furrow.Cell`, and ``memo``, ``threads`` and
+    ``progress`` those of :meth:`furrow.Cell.divide`.
     """
-    known = shared_memo() if memo is None else memo
+    known = memo_of(memo)
     with shown(progress, "divisions") as tell:
         found = _furrow.compare_dose(
             source_of(table),
@@ -230,7 +231,7 @@ class VolumesComparison:
         return frame({name: [getattr(mother, name) for mother in self.mothers] for name in names})
 
     def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Measured and computed χ by mother; needs matplotlib."""
+        """Measured and computed χ by mother; needs matplotlib. With ``path`` the figure is also written there."""
         from . import plot
 
         return plot.saved(plot.volumes(self), path)
@@ -239,7 +240,7 @@ class VolumesComparison:
 def volumes(
     table: Table | None = None,
     *,
-    published: Literal["jankele2021", "villoutreix2016"] = "jankele2021",
+    published: Literal["jankele2021", "villoutreix2016"] | None = None,
     group: str | None = None,
     against: Table | None = None,
     regress: tuple[str, str] | None = None,
@@ -266,36 +267,43 @@ def volumes(
     ``relative_volume``) and optionally ``group``, ``frame`` and ``n``. A row can also be a division, with the columns
     ``embryo``, ``mother``, ``larger_um3`` and ``smaller_um3``. It is a file, several files, a DataFrame or columns
     by name. Files can be embryos that other programs followed, as for :func:`counts`, or folders of these; ``names`` and
-    ``root`` match cells with other names. Without it the model is compared with ``published`` means, of C. elegans or of the
-    sea urchin.
+    ``root`` match cells with other names. Without it the model is compared with ``published`` means, of C. elegans
+    (``jankele2021``, the default) or of the sea urchin (``villoutreix2016``). ``group`` is the group of rows that have none.
 
     ``against`` is a table of a second condition, and ``regress`` names two groups of the tables: both give a regression.
     ``population`` names the populations of a table of divisions that are used, one or several; default all. ``bins`` are
     rising edges of the mother's volume. ``length_scale="fit"`` chooses one L_h by all mothers; without it
     the ``units`` of the lineage count, then P0. ``unit`` is that of tables which name none,
     and ``voxel`` the edge of a voxel in µm, one number or one for each embryo by name.
+
+    ``lineage`` is that of the model, and ``constants`` are sets of constants for its ranges, as for :func:`furrow.tree_ensemble`.
+    ``preset``, ``config``, ``law`` and keywords are those of :class:`furrow.Cell`, and ``memo``, ``threads`` and ``progress``
+    those of :meth:`furrow.Cell.divide`.
     """
-    known = shared_memo() if memo is None else memo
-    if published not in PUBLISHED:
+    known = memo_of(memo)
+    if published is not None and published not in PUBLISHED:
         raise refused("published", published, f"one of {', '.join(PUBLISHED)}")
+    if published is not None and table is not None:
+        raise refused("published", published, "left out with a table")
     if against is not None and (table is None or group is not None):
         raise refused("against", against, "given with a table and without group")
-    if regress is not None and len(regress) != 2:
-        raise refused("regress", regress, "two groups of the tables")
     if population is not None and table is None:
         raise refused("population", population, "given with a table")
     populations = [population] if isinstance(population, str) else population
+    groups = None if regress is None else texts_of("regress", regress)
+    if groups is not None and len(groups) != 2:
+        raise refused("regress", regress, "two groups of the tables")
     asked = {
         "tables": tables_of(table),
-        "against": tables_of(against),
+        "against": tables_of(against, "against"),
         "voxel": of_embryos("voxel", voxel),
         "matching": matching_of(names, root),
-        "unit": unit,
+        "unit": None if unit is None else text_of("unit", unit),
         "group": None if group is None else text_of("group", group),
         "published": published,
         "bins": None if bins is None else _edges(bins),
-        "regress": None if regress is None else (text_of("regress", regress[0]), text_of("regress", regress[1])),
-        "population": None if populations is None else [text_of("population", name) for name in populations],
+        "regress": None if groups is None else (groups[0], groups[1]),
+        "population": None if populations is None else texts_of("population", populations),
         "lineage": optional_path("lineage", lineage),
         "constants": None if constants is None else table_of(constants),
         "length_scale": length_scale
@@ -322,9 +330,12 @@ def volumes(
 
 
 def _edges(bins: Sequence[SupportsFloat]) -> list[float]:
-    edges = [_number("bins", edge) for edge in bins]
+    allowed = "two numbers or more, rising"
+    if isinstance(bins, str) or not isinstance(bins, Iterable):
+        raise refused("bins", bins, allowed)
+    edges = [number_of("bins", edge) for edge in bins]
     if len(edges) < 2 or not all(np.isfinite(edges)) or any(a >= b for a, b in pairwise(edges)):
-        raise refused("bins", bins, "two numbers or more, rising")
+        raise refused("bins", bins, allowed)
     return edges
 
 
@@ -352,7 +363,9 @@ class ContoursComparison:
     ``similarity``: Mean of |A∩B|/|A|, A the measured.
     ``similarity_sd``: Its standard deviation.
     ``length_scale``: One L_h, in the unit of the outlines.
-    ``contours``: Each outline: the model's time ``t``, ``frame``, ``overlap`` and more.
+    ``contours``: Each outline that was used: its number as ``file``, the model's time ``t``, ``frame``, ``overlap`` and more.
+    ``used``: How many outlines were used.
+    ``skipped``: Outlines that could not be used: the number of the ``contour``, and ``why``.
     ``laid``: Both outlines of each pair, overlaid, in L_h, with the long axis along the second coordinate.
     """
 
@@ -360,15 +373,18 @@ class ContoursComparison:
     similarity_sd: float | None
     length_scale: float
     contours: tuple[dict[str, Any], ...] = field(repr=False)
+    used: int
+    skipped: tuple[dict[str, Any], ...] = field(repr=False)
     laid: tuple[tuple[NDArray[np.float64], NDArray[np.float64]], ...] = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
         """The result as numbers, strings and lists, without the outlines."""
-        names = ("similarity", "similarity_sd", "length_scale")
-        return {**{name: getattr(self, name) for name in names}, "contours": list(self.contours)}
+        names = ("similarity", "similarity_sd", "length_scale", "used")
+        lists = {"contours": list(self.contours), "skipped": list(self.skipped)}
+        return {**{name: getattr(self, name) for name in names}, **lists}
 
     def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
-        """The overlaid outlines; needs matplotlib."""
+        """The overlaid outlines; needs matplotlib. With ``path`` the figure is also written there."""
         from . import plot
 
         return plot.saved(plot.contours(self), path)
@@ -383,7 +399,8 @@ def contours(
     """Compares outlines of a dividing cell, arrays of (x, y), with those of a division with frames.
 
     Each outline is overlaid, by centroid and long axis, on the frame with the same furrow depth. All are sections
-    through the axis of one cell.
+    through the axis of one cell. Outlines that cannot be used, such as those with fewer than three points, are ``skipped``.
+    ``length_scale`` is one L_h in the unit of the outlines; without it all outlines have together the area of the model's.
     """
     frames: Iterable[Frame] | None = model.frames if isinstance(model, Division) else model
     if frames is None:
@@ -396,12 +413,14 @@ def contours(
         sections.append((one.t, np.ascontiguousarray(np.concatenate((half, other)))))
     scale = None if length_scale is None else positive("length_scale", length_scale)
     found = _furrow.compare_contours(outlines, sections, scale)
-    laid = tuple((np.array(a), np.array(b)) for a, b in found["laid"])
+    laid = tuple((fixed(np.array(a)), fixed(np.array(b))) for a, b in found["laid"])
     return ContoursComparison(
         similarity=found["similarity"],
         similarity_sd=found["similarity_sd"],
         length_scale=found["length_scale"],
         contours=tuple(found["contours"]),
+        used=found["used"],
+        skipped=tuple(found["skipped"]),
         laid=laid,
     )
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex
 
 from . import _furrow
-from ._checks import given_of, optional_path, refused, seed_of, text_of, text_or_path, threads_of, whole
-from ._memo import memo as shared_memo
+from ._checks import given_of, optional_path, pair_of, seed_of, text_of, text_or_path, threads_of, whole
+from ._memo import memo_of
 from ._progress import Progress, shown
 from ._shapes import Drawn
 from ._tables import OfEmbryos, Table, frame, times_of
@@ -84,9 +84,10 @@ def constants(
     the Pareto front between this fit and the published thresholds.
 
     ``targets`` is a file of observations or its text; default the built-in ones. A swarm of ``particles`` makes so many
-    ``moves``.
+    ``moves``, from ``seed`` on. ``lineage`` has the founders. Keywords are parameters at which the search starts, over those of
+    ``preset`` and ``config``; ``memo``, ``threads`` and ``progress`` are those of :meth:`furrow.Cell.divide`.
     """
-    known = shared_memo() if memo is None else memo
+    known = memo_of(memo)
     with shown(progress, "sets of constants") as tell:
         found, drawing, ron = _furrow.fit_constants(
             _targets(targets),
@@ -112,17 +113,17 @@ def activity(
     progress: Progress = None,
     **parameters: Value,
 ) -> Activities:
-    """Finds for each founder by itself the activity, in a ``range`` of ξ_s, that gives its observed ``rounds``."""
-    known = shared_memo() if memo is None else memo
-    if len(range) != 2:
-        raise refused("range", range, "a first and a last value")
+    """Finds for each founder by itself the activity, in a ``range`` of ξ_s, that gives its observed ``rounds``. Other arguments
+    are those of :func:`constants`."""
+    known = memo_of(memo)
+    ends = list(pair_of("range", range))
     with shown(progress, "trees") as tell:
         found, drawing = _furrow.fit_activity(
             optional_path("lineage", lineage),
             given_of(parameters, preset, config),
             known,
             text_of("rounds", rounds),
-            [float(range[0]), float(range[1])],
+            ends,
             threads_of(threads),
             tell,
         )
@@ -144,9 +145,9 @@ def cue(
     progress: Progress = None,
     **parameters: Value,
 ) -> Cue:
-    """Fits the numbers of a cue, whose terms are kept, to the measured χ of the germline, and says which combinations of them
-    stay undetermined."""
-    known = shared_memo() if memo is None else memo
+    """Fits the numbers of a ``cue``, whose terms are kept, to the measured χ of the germline, and says which combinations of them
+    stay undetermined. Other arguments are those of :func:`constants`."""
+    known = memo_of(memo)
     with shown(progress, "cues") as tell:
         found, drawing = _furrow.fit_cue(
             text_of("cue", cue),

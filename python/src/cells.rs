@@ -21,7 +21,7 @@ use serde_json::json;
 
 use crate::document::Document;
 use crate::errors::{ARGUMENTS, Error};
-use crate::inputs::{ABOVE_0, Columns, Inputs, arrays, positive};
+use crate::inputs::{ABOVE_0, Columns, Inputs, arrays, fixed, positive};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 
@@ -38,17 +38,17 @@ pub fn divide(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> Result<Document, Error> {
     let input = inputs.division(seed)?;
-    let memo = memo.solved()?;
+    let (of_call, memo) = (memo, memo.solved()?);
     // A known division needs no thread.
     if count == 1
         && let Some(division) = py.detach(|| memo.known(&input))
     {
         let found: (_, [(u64, String); 0]) = ([(seed, division)], []);
-        return Document::of(&found);
+        return of_call.warned(py, Document::of(&found));
     }
     // A single division leaves nothing to keep before it ends; it goes on to the memo by itself.
     let interrupt = if count == 1 { Interrupt::Abandons } else { Interrupt::Finishes };
-    supervised(py, interrupt, progress, move |watch| {
+    let found = supervised(py, interrupt, progress, move |watch| {
         let Replicates { divisions, mut undecided, .. } = watch.scheduled(threads, |options| {
             let interrupt = options.interrupt.filter(|_| count > 1);
             replicates(&input, count, &memo, &SchedulerOptions { interrupt, ..*options })
@@ -63,7 +63,8 @@ pub fn divide(
         }
         let undecided = undecided.iter().map(|job| (seed.wrapping_add(job.id as u64), job.failure.to_string()));
         Document::of(&(divisions, undecided.collect::<Vec<(u64, String)>>()))
-    })
+    });
+    of_call.warned(py, found)
 }
 
 /// A division with its shapes: its outcome, the columns of frames, where the places of each frame end in the columns of all places, and
@@ -107,7 +108,7 @@ pub fn film<'py>(
         let text = Document::of(&film.division)?;
         Ok((text, frame_columns(&stills), ends.collect(), places, wall_parts(&film.wall())))
     })?;
-    Ok((text, arrays(py, frames)?, PyArray1::from_vec(py, ends), arrays(py, places)?, shell))
+    Ok((text, arrays(py, frames)?, fixed(PyArray1::from_vec(py, ends))?, arrays(py, places)?, shell))
 }
 
 /// The columns of frames.
@@ -209,7 +210,7 @@ pub fn branch<'py>(
         if azimuthal > 0 {
             let rates = branch.azimuthal.rates.iter().flatten().map(|rate| rate.unwrap_or(f64::NAN)).collect();
             let rows = PyArray1::from_vec(py, rates).reshape([branch.azimuthal.rates.len(), azimuthal])?;
-            columns.set_item("azimuthal", rows)?;
+            columns.set_item("azimuthal", fixed(rows)?)?;
         }
         points.set_item(name, columns)?;
     }

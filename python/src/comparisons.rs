@@ -64,7 +64,7 @@ pub struct VolumesAsked {
     matching: MatchAsked,
     unit: Option<String>,
     group: Option<String>,
-    published: String,
+    published: Option<String>,
     bins: Option<Vec<f64>>,
     regress: Option<(String, String)>,
     population: Option<Vec<String>>,
@@ -106,8 +106,8 @@ impl VolumesAsked {
         let mut volumes = Volumes::default();
         if is_empty(&self.tables) {
             names.require_met()?;
-            return Ok(match &*self.published {
-                "villoutreix2016" => MeasuredVolumes::published(SEA_URCHIN_SOURCE, villoutreix2016()?),
+            return Ok(match self.published.as_deref() {
+                Some("villoutreix2016") => MeasuredVolumes::published(SEA_URCHIN_SOURCE, villoutreix2016()?),
                 _ => MeasuredVolumes::published(SOURCE, jankele2021()?),
             });
         }
@@ -172,8 +172,8 @@ pub fn compare_volumes(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> Result<Document, Error> {
     let settings = given.settings()?;
-    let memo = memo.solved()?;
-    supervised(py, Interrupt::Finishes, progress, move |watch| {
+    let (of_call, memo) = (memo, memo.solved()?);
+    let found = supervised(py, Interrupt::Finishes, progress, move |watch| {
         let length_scale = asked.scale()?;
         let lineage = lineage_of(asked.lineage.as_deref())?;
         let measured = asked.read(&matched_names(&lineage, &asked.matching)?)?;
@@ -208,7 +208,15 @@ pub fn compare_volumes(
         found["divisions"] = json!(measured.divisions.divisions);
         found["of_nuclei"] = measured.volumes.of_nuclei.into();
         Ok(found.into())
-    })
+    });
+    of_call.warned(py, found)
+}
+
+/// A measured contour that could not be used.
+#[derive(Serialize)]
+struct SkippedContour {
+    contour: usize,
+    why: String,
 }
 
 /// A series of contours beside the model's, with each pair after alignment.
@@ -217,6 +225,8 @@ struct ContoursFound<'a> {
     #[serde(flatten)]
     series: &'a Series,
     laid: Vec<[Vec<[f64; 2]>; 2]>,
+    used: usize,
+    skipped: &'a [SkippedContour],
 }
 
 /// Compares measured contours with frames, which are sections through the axis with their times.
@@ -235,22 +245,28 @@ pub fn compare_contours(
     supervised(py, Interrupt::Abandons, None, move |_| {
         let allowed = "a length above 0, in the unit of the contours";
         length.map(|length| positive("length_scale", length, allowed)).transpose()?;
-        let contour = |of: &str, k: usize, points| match Contour::new(points) {
-            Ok((contour, _)) => Ok(contour),
-            Err(why) => Err(Error::not_allowed(format!("{of}[{k}]"), why, "a contour of three points or more")),
-        };
-        let traced = measured.into_iter().enumerate().map(|(k, points)| {
-            let contour = contour("contours", k, points)?;
-            Ok(Traced { file: k.to_string(), name: String::new(), contour, pixel: None, notes: Vec::new() })
+        let (mut traced, mut skipped) = (Vec::new(), Vec::new());
+        for (k, points) in measured.into_iter().enumerate() {
+            match Contour::new(points) {
+                Ok((contour, _)) => {
+                    let (file, name, notes) = (k.to_string(), String::new(), Vec::new());
+                    traced.push(Traced { file, name, contour, pixel: None, notes });
+                }
+                Err(why) => skipped.push(SkippedContour { contour: k, why: why.to_string() }),
+            }
+        }
+        if let (true, Some(SkippedContour { contour, why })) = (traced.is_empty(), skipped.first()) {
+            return Err(Error::not_allowed(format!("measured[{contour}]"), why, "an outline that can be used"));
+        }
+        let frames = model.into_iter().enumerate().map(|(k, (t, points))| match Contour::new(points) {
+            Ok((contour, _)) => Ok(ModelContour { frame: k.to_string(), t, contour }),
+            Err(why) => Err(Error::not_allowed(format!("model[{k}]"), why, "a contour of three points or more")),
         });
-        let frames = model.into_iter().enumerate().map(|(k, (t, points))| {
-            Ok(ModelContour { frame: k.to_string(), t, contour: contour("frames", k, points)? })
-        });
-        let (traced, frames) = (traced.collect::<Result<Vec<_>, Error>>()?, frames.collect::<Result<Vec<_>, Error>>()?);
+        let frames = frames.collect::<Result<Vec<_>, Error>>()?;
         let series = laid_beside(&traced, &frames, length)
-            .ok_or_else(|| Error::not_allowed("contours", "none", "at least one contour and one frame"))?;
+            .ok_or_else(|| Error::not_allowed("measured", "none", "at least one outline, and a model with frames"))?;
         let points = |contour: &Contour| contour.points().iter().map(|p| [p.x, p.y]).collect();
         let laid = series.contours.iter().map(|one| one.aligned.each_ref().map(points)).collect();
-        Document::of(&ContoursFound { series: &series, laid })
+        Document::of(&ContoursFound { series: &series, laid, used: traced.len(), skipped: &skipped })
     })
 }

@@ -9,6 +9,8 @@ use furrow_mechanics::division::DivisionError;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 
+use crate::words::{error_of_python, of_python};
+
 /// The source that errors name for arguments of a call.
 pub const ARGUMENTS: &str = "furrow";
 
@@ -121,7 +123,7 @@ impl From<StoreError> for Error {
         match error {
             StoreError::NotAFolder { folder } => {
                 let allowed = "a folder, or a path where one can be made";
-                InputError::not_allowed("memo", "store", folder.display(), allowed).into()
+                InputError::not_allowed(ARGUMENTS, "store", folder.display(), allowed).into()
             }
             error => Error::system(error),
         }
@@ -132,7 +134,7 @@ impl From<Error> for PyErr {
     fn from(error: Error) -> PyErr {
         match error {
             Error::Input(error) => input(error),
-            Error::NoOutcome(why) => exceptions::NoOutcome::new_err(why),
+            Error::NoOutcome(why) => exceptions::NoOutcome::new_err(of_python(&why)),
             Error::System(why) => PyOSError::new_err(why),
             Error::Interrupted(solved) => exceptions::Interrupted::new_err(solved),
             Error::Raised(error) => error,
@@ -142,6 +144,7 @@ impl From<Error> for PyErr {
 
 /// Bad input; the exception has message, field, value, allowed and source.
 fn input(error: InputError) -> PyErr {
+    let error = error_of_python(error);
     let message = error.to_string();
     match error {
         InputError::NotAllowed { source_name, field, value, allowed } => {
@@ -164,8 +167,8 @@ fn input(error: InputError) -> PyErr {
 }
 
 /// An argument of the wrong Python type, such as a list in place of a number.
-pub fn wrong_type(field: &str, value: &Bound<'_, PyAny>, allowed: &'static str) -> PyErr {
+pub fn wrong_type(field: &str, value: &Bound<'_, PyAny>, allowed: &str) -> PyErr {
     let kind = value.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
     let message = format!("furrow: {field} is of the type {kind}: must be {allowed}");
-    exceptions::InputError::new_err((message, field.to_owned(), value.clone().unbind(), allowed, "furrow"))
+    exceptions::InputError::new_err((message, field.to_owned(), value.clone().unbind(), allowed.to_owned(), ARGUMENTS))
 }

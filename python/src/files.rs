@@ -7,6 +7,7 @@ use furrow_analysis::reproduce::measured::measured_divisions;
 use furrow_analysis::reproduce::paper::selected;
 use furrow_analysis::reproduce::{Context, ReproduceError, reproduce as reproduced};
 use furrow_analysis::sweep_files::merge as merged;
+use furrow_cell::settings::Settings;
 use furrow_figures::drawing::Format;
 use furrow_figures::plot;
 use furrow_formats::files::{FileSet, WriteError};
@@ -19,7 +20,7 @@ use serde_json::Value;
 
 use crate::document::Document;
 use crate::drawings::write;
-use crate::errors::Error;
+use crate::errors::{ARGUMENTS, Error};
 use crate::inputs::Given;
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
@@ -37,8 +38,11 @@ pub fn explore(
 ) -> Result<usize, Error> {
     let quantisation = memo.solved()?.quantisation();
     py.detach(|| {
-        let scenarios = scenarios(&[lineage], &[], &given, seed, quantisation)?;
+        let (scenarios, _) = scenarios(&[lineage], &[], &given, seed, quantisation)?;
         let first = scenarios.first().ok_or_else(|| Error::not_allowed("lineage", "none", "one lineage"))?;
+        let settings = Settings::of(first.settings.cell.clone(), first.settings.numerics);
+        settings.check_axisymmetric(ARGUMENTS)?;
+        settings.check_paper_model("a page whose controls are its constants")?;
         let page = furrow_report::explorer(&first.lineage, &first.settings);
         write(&path, page.as_bytes())?;
         Ok(page.len())
@@ -52,6 +56,12 @@ pub fn new_lineage(path: PathBuf) -> Result<(), Error> {
         return Err(Error::not_allowed("path", path.display(), "a file that does not exist yet"));
     }
     write(&path, TEMPLATE.as_bytes())
+}
+
+/// Writes a text into a file, whole or not at all.
+#[pyfunction]
+pub fn write_text(py: Python<'_>, path: PathBuf, text: &str) -> Result<(), Error> {
+    py.detach(|| write(&path, text.as_bytes()))
 }
 
 /// The JSON Schema of tree.json.
@@ -111,9 +121,10 @@ pub fn reproduce(
     let statements = selected(&figures)?;
     let (extension, format) = one_of("format", format, Format::ALL.map(|one| (one.0, one)))?;
     let settings = given.for_divisions()?;
+    settings.check_paper_model("the statements of the paper")?;
     let constants = given.named();
-    let memo = memo.solved()?;
-    supervised(py, Interrupt::Finishes, progress, move |watch| {
+    let (of_call, memo) = (memo, memo.solved()?);
+    let found = supervised(py, Interrupt::Finishes, progress, move |watch| {
         let measured = data.as_deref().map(measured_divisions).transpose()?;
         let context = Context {
             settings: &settings,
@@ -138,7 +149,8 @@ pub fn reproduce(
             files.commit()?;
         }
         Ok((document.into(), page))
-    })
+    });
+    of_call.warned(py, found)
 }
 
 impl From<WriteError> for Error {

@@ -44,7 +44,9 @@ fn fitted<T>(
     fit: impl FnOnce(&FitRun<'_>) -> Result<T, Error>,
 ) -> Result<T, Error> {
     let lineage = lineage_of(lineage)?;
-    let settings = tree_settings(given.for_divisions()?, &lineage, 0, memo.quantisation());
+    let settings = given.for_divisions()?;
+    settings.check_axisymmetric(ARGUMENTS)?;
+    let settings = tree_settings(settings, &lineage, 0, memo.quantisation());
     let show = |FitProgress { done, of, .. }| watch.set([0, done, of]);
     fit(&FitRun { progress: Some(&show), ..FitRun::new(&lineage, &settings, threads, &watch.stop) })
 }
@@ -72,8 +74,9 @@ pub fn fit_constants(
     threads: usize,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> Result<(Document, Drawing, String), Error> {
-    let memo = memo.solved()?;
-    supervised(py, Interrupt::Finishes, progress, move |watch| {
+    given.settings()?.check_paper_model("constants fitted with it")?;
+    let (of_call, memo) = (memo, memo.solved()?);
+    let found = supervised(py, Interrupt::Finishes, progress, move |watch| {
         fitted(watch, (lineage.as_deref(), &given, threads), &memo, |run| {
             let (targets, name) = targets(&source, run.lineage)?;
             targets.check_searched(&name)?;
@@ -81,7 +84,8 @@ pub fn fit_constants(
             let drawing = Drawing::of(plot::fit::draw_constants(&found));
             Ok((found.document(&targets).into(), drawing, found.best.as_ron()))
         })
-    })
+    });
+    of_call.warned(py, found)
 }
 
 /// The activity that each founder alone would need for its observed rounds.
@@ -109,14 +113,15 @@ pub fn fit_activity(
     if range[1] <= range[0] {
         return Err(Error::not_allowed("range", range[1], format!("above the first value, {}", range[0])));
     }
-    let memo = memo.solved()?;
-    supervised(py, Interrupt::Finishes, progress, move |watch| {
+    let (of_call, memo) = (memo, memo.solved()?);
+    let found = supervised(py, Interrupt::Finishes, progress, move |watch| {
         fitted(watch, (lineage.as_deref(), &given, threads), &memo, |run| {
             let found = activities(run, &memo, reading, range)?;
             let drawing = Drawing::of(plot::fit::draw_activities(&found.founders, run.settings.cell.xi_s));
             Ok((Document::of(&found)?, drawing))
         })
-    })
+    });
+    of_call.warned(py, found)
 }
 
 /// The cue that gives the measured χ of the germline.
@@ -133,8 +138,8 @@ pub fn fit_cue(
     threads: usize,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> Result<(Document, Drawing), Error> {
-    let memo = memo.solved()?;
-    supervised(py, Interrupt::Finishes, progress, move |watch| {
+    let (of_call, memo) = (memo, memo.solved()?);
+    let found = supervised(py, Interrupt::Finishes, progress, move |watch| {
         fitted(watch, (lineage.as_deref(), &given, threads), &memo, |run| {
             let (targets, _) = targets(&source, run.lineage)?;
             let template = run.lineage.parse_cue(&cue).map_err(bad_cue)?;
@@ -148,7 +153,8 @@ pub fn fit_cue(
             let drawing = Drawing::of(plot::fit::draw_cue(&found));
             Ok((Document::of(&found)?, drawing))
         })
-    })
+    });
+    of_call.warned(py, found)
 }
 
 /// The front between the worst threshold and the number of statements met, among `count` sets of constants.

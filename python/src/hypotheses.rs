@@ -125,10 +125,12 @@ pub fn test(
     threads: usize,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> Result<(Document, Drawing, Samples), Error> {
-    let memo = memo.solved()?;
-    supervised(py, Interrupt::Finishes, progress, move |watch| {
+    let (of_call, memo) = (memo, memo.solved()?);
+    let found = supervised(py, Interrupt::Finishes, progress, move |watch| {
         let lineage = lineage_of(asked.lineage.as_deref())?;
-        let settings = tree_settings(given.for_divisions()?, &lineage, 0, memo.quantisation());
+        let settings = given.for_divisions()?;
+        settings.check_axisymmetric(ARGUMENTS)?;
+        let settings = tree_settings(settings, &lineage, 0, memo.quantisation());
         let free = asked.free.as_ref().map(|texts| Free::list(texts, &lineage, ARGUMENTS)).transpose()?;
         let hypotheses =
             Hypothesis::all(&asked.hypotheses()?, free.as_deref(), &lineage, &settings.cell, [ARGUMENTS; 2])?;
@@ -151,5 +153,6 @@ pub fn test(
         let sampled = found.hypotheses.iter().filter_map(|of| Some((of.name.as_str(), of.posterior.as_ref()?)));
         let csv = samples_csv(sampled, shard);
         Ok((Document::of(&found)?, Drawing::of(plot::hypotheses::draw(&found)), (points, csv)))
-    })
+    });
+    of_call.warned(py, found)
 }

@@ -1,11 +1,12 @@
 //! A cell and how it is computed, every value checked.
 
+use std::borrow::Cow;
 use std::ffi::CString;
 use std::path::{Path, PathBuf};
 
 use furrow_analysis::compare::names_of;
 use furrow_analysis::{Constants, Shard};
-use furrow_cell::settings::{self, Overrides, Settings, Value, canonical_name};
+use furrow_cell::settings::{self, Overrides, SHELL_PROFILE, Settings, Value};
 use furrow_cell::{Cell, Cue, CueError, Law, Numerics};
 use furrow_input::{InputError, read_text, shown};
 use furrow_lineage::{Length, Lineage};
@@ -13,6 +14,7 @@ use furrow_measured::matching::Matching;
 use furrow_measured::names::Names;
 use furrow_measured::per_embryo::PerEmbryo;
 use furrow_mechanics::division::DivisionInput;
+use furrow_mechanics::polarity::resolved;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
@@ -77,8 +79,14 @@ pub type Columns = Vec<(&'static str, Vec<f64>)>;
 /// Columns as a dict of arrays.
 pub fn arrays(py: Python<'_>, columns: Columns) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
-    columns.into_iter().try_for_each(|(name, values)| dict.set_item(name, PyArray1::from_vec(py, values)))?;
+    columns.into_iter().try_for_each(|(name, values)| dict.set_item(name, fixed(PyArray1::from_vec(py, values))?))?;
     Ok(dict)
+}
+
+/// An array that cannot be written to: results do not change.
+pub fn fixed<T>(array: Bound<'_, T>) -> PyResult<Bound<'_, T>> {
+    array.as_any().call_method1("setflags", (false,))?;
+    Ok(array)
 }
 
 /// Numbers and words by name, from a dict.
@@ -92,43 +100,64 @@ impl<'py> FromPyObject<'_, 'py> for Named {
         let dict: Bound<'py, PyDict> = dict.extract()?;
         let pair = |(name, value): (Bound<'py, PyAny>, Bound<'py, PyAny>)| {
             let name: String = name.extract()?;
+            // A cell without a profile has None, and so may calls.
+            if value.is_none() && is_shell_profile(&name) {
+                return Ok(None);
+            }
             let value = value_of(&name, &value)?;
-            Ok((name, value))
+            Ok(Some((name, value)))
         };
-        Ok(Named(dict.iter().map(pair).collect::<PyResult<_>>()?))
+        let pairs = dict.iter().map(pair).collect::<PyResult<Vec<_>>>()?;
+        Ok(Named(pairs.into_iter().flatten().collect()))
     }
 }
 
 impl Named {
-    /// The parameters by their canonical names.
+    /// The parameters by their canonical names. None may be given twice, by two names.
     pub fn overrides(&self) -> Result<Overrides, InputError> {
         let unknown = |name: &str, allowed| InputError::not_allowed(ARGUMENTS, "parameter", shown(name), allowed);
-        let named = |(name, value): &(String, Value)| {
-            Ok((canonical_name(name).map_err(|allowed| unknown(name, allowed))?, value.clone()))
-        };
-        let pairs = self.0.iter().map(named).collect::<Result<_, InputError>>()?;
+        let mut pairs: Vec<(&'static str, Value)> = Vec::new();
+        for (name, value) in &self.0 {
+            let canonical = settings::canonical_name(name).map_err(|allowed| unknown(name, allowed))?;
+            if let Some(at) = pairs.iter().position(|(other, _)| *other == canonical) {
+                let allowed = format!("left out: {} is the same parameter", self.0[at].0);
+                return Err(InputError::not_allowed(ARGUMENTS, name, value, allowed));
+            }
+            pairs.push((canonical, value.clone()));
+        }
         Ok(Overrides { source_name: ARGUMENTS, pairs })
     }
 
-    /// Turns a radius in µm into one in L_h by the units of a lineage. Whether there is a radius.
-    pub fn scale_radius(&mut self, lineage: &Lineage) -> Result<bool, InputError> {
+    /// Turns a radius in µm into one in L_h by the units of a lineage. The radius as it was given.
+    pub fn scale_radius(&mut self, lineage: &Lineage) -> Result<Option<Length>, InputError> {
         let mut given = self.0.iter_mut();
-        let Some((_, value)) = given.find(|(name, _)| name == "r0" || name == "R0") else {
-            return Ok(false);
+        let is_radius = |name: &str| settings::canonical_name(name) == Ok("r0");
+        let Some((_, value)) = given.find(|(name, _)| is_radius(name)) else { return Ok(None) };
+        let length = match &*value {
+            Value::Number(r0) => Length::Natural(*r0),
+            Value::Text(text) => text.parse().map_err(|_: String| {
+                InputError::not_allowed(ARGUMENTS, "r0", shown(text), "a number of L_h, as 5.4, or of µm, as '17um'")
+            })?,
         };
-        if let Value::Text(text) = value {
-            let length = text.parse::<Length>().map_err(|_| "a number of L_h, as 5.4, or of µm, as '17um'".to_owned());
-            let refuse = |allowed| InputError::not_allowed(ARGUMENTS, "r0", shown(text), allowed);
-            *value = Value::Number(length.map_err(refuse)?.in_units(&lineage.units()));
-        }
-        Ok(true)
+        *value = Value::Number(length.in_units(&lineage.units()));
+        Ok(Some(length))
     }
 }
 
-/// A number, which keeps every bit, or a word; True and False are words. InputError for any other value.
+/// Whether a name is that of the table of a shell.
+fn is_shell_profile(name: &str) -> bool {
+    settings::canonical_name(name) == Ok(SHELL_PROFILE)
+}
+
+/// A number, which keeps every bit, or a word; a path for the table of a shell; True and False are words. InputError for any other value.
 pub fn value_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if let Ok(text) = value.cast::<PyString>() {
         return Ok(Value::Text(text.to_str()?.trim().to_owned()));
+    }
+    if is_shell_profile(name)
+        && let Ok(path) = value.extract::<PathBuf>()
+    {
+        return Ok(Value::Text(path.display().to_string()));
     }
     let wrong_type = |_| wrong_type(name, value, "a number, or a word where the parameter has words");
     if let Ok(flag) = value.cast::<PyBool>() {
@@ -139,6 +168,12 @@ pub fn value_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
         return Ok(Value::Number(value.extract().unwrap_or(f64::INFINITY)));
     }
     Ok(Value::Number(value.extract().map_err(|_| wrong_type(()))?))
+}
+
+/// The law of a text, of a file, or of a name; `None` is the paper's.
+fn law_of(given: &str) -> Result<Option<Law>, InputError> {
+    let is_text = given.trim_start().starts_with('(') || given.contains("Law(");
+    if is_text { Law::parse(given, "law").map(Some) } else { Law::read(Path::new(given)) }
 }
 
 /// Given parameters, by the names of `--set`. They override a configuration file, which overrides a preset. A law may replace the
@@ -175,11 +210,9 @@ impl Given {
 
     /// The preset, the configuration file and the law, without the parameters.
     pub fn base(&self) -> Result<Settings, InputError> {
-        let is_text = |law: &str| law.trim_start().starts_with('(') || law.contains("Law(");
-        let path = self.law.as_deref().filter(|law| !is_text(law)).map(Path::new);
-        let mut settings = Settings::load(&self.preset, self.config.as_deref(), path, &[])?;
-        if let Some(text) = self.law.as_deref().filter(|law| is_text(law)) {
-            settings.cell.law = Some(Box::new(Law::parse(text, "law")?));
+        let mut settings = Settings::load(&self.preset, self.config.as_deref(), None, &[])?;
+        if let Some(law) = &self.law {
+            settings.cell.law = law_of(law)?.map(Box::new);
         }
         Ok(settings)
     }
@@ -223,6 +256,9 @@ pub fn lineage_of(given: Option<&str>) -> Result<Lineage, InputError> {
 pub fn bad_cue(CueError { field, value, allowed }: CueError) -> InputError {
     InputError::not_allowed(ARGUMENTS, field, value, allowed)
 }
+
+/// The values of the terms of a cue along a contour, by the names of their fields.
+type TermsAt<'py> = Vec<(&'static str, Bound<'py, PyArray1<f64>>)>;
 
 /// A cell and its numerics, checked.
 #[pyclass(frozen, eq, module = "furrow._furrow")]
@@ -280,18 +316,22 @@ impl Inputs {
         Ok(inputs)
     }
 
-    /// The same with other values of some parameters, and another cue if one is given.
-    fn replaced(&self, mut parameters: Named, cue: Option<&str>) -> Result<Inputs, Error> {
+    /// The same with other values of some parameters, and another cue and law if they are given.
+    #[pyo3(signature = (parameters, cue=None, law=None))]
+    fn replaced(&self, mut parameters: Named, cue: Option<&str>, law: Option<&str>) -> Result<Inputs, Error> {
         let lineage = lineage_of(None)?;
         parameters.scale_radius(&lineage)?;
         let mut settings = self.settings();
+        if let Some(law) = law {
+            settings.cell.law = law_of(law)?.map(Box::new);
+        }
         settings.assign(ARGUMENTS, &parameters.overrides()?.pairs)?;
         settings.check(ARGUMENTS)?;
         let cue = cue.map_or_else(|| Ok(self.cell.cue.clone()), |cue| lineage.parse_cue(cue)).map_err(bad_cue)?;
         Ok(Inputs::checked(settings, cue)?)
     }
 
-    /// Every parameter by its name, and the cue.
+    /// Every parameter by its name, and the cue, the law with its constants, and the shell's profile.
     fn parameters(&self) -> Result<Document, Error> {
         let mut map = serde_json::Map::new();
         for (_, name, value) in settings::listing(&self.settings()) {
@@ -303,6 +343,11 @@ impl Inputs {
             map.insert(name.to_owned(), value);
         }
         map.insert("cue".to_owned(), self.cue().into());
+        map.insert("law".to_owned(), self.law().into());
+        for (name, constant) in self.cell.law.iter().flat_map(|law| law.constants()) {
+            map.insert(format!("law.{name}"), constant.value.into());
+        }
+        map.insert(SHELL_PROFILE.to_owned(), self.shell_profile().into());
         Document::of(map)
     }
 
@@ -324,16 +369,21 @@ impl Inputs {
         self.cell.cue.to_string()
     }
 
-    /// The values A f(u) of each term of the cue on a contour of the given length, by the name of its field.
-    fn cue_at<'py>(
-        &self,
-        py: Python<'py>,
-        u: PyReadonlyArray1<'py, f64>,
-        length: f64,
-    ) -> Vec<(&'static str, Bound<'py, PyArray1<f64>>)> {
+    /// The cue with the position and the width that PAR polarity gives it; `None` if it does not depend on polarity.
+    fn resolved_cue(&self, py: Python<'_>) -> Result<Option<String>, Error> {
+        Ok(match py.detach(|| resolved(&self.cell)).map_err(Error::no_outcome)? {
+            Cow::Borrowed(_) => None,
+            Cow::Owned(cell) => Some(cell.cue.to_string()),
+        })
+    }
+
+    /// The values A f(u) of each term of the cue on a contour of the given length, by the name of its field. Terms that follow PAR
+    /// polarity are where it places them.
+    fn cue_at<'py>(&self, py: Python<'py>, u: PyReadonlyArray1<'py, f64>, length: f64) -> Result<TermsAt<'py>, Error> {
+        let cell = py.detach(|| resolved(&self.cell)).map_err(Error::no_outcome)?;
         let at = |term: &furrow_cell::cue::Term| u.as_array().iter().map(|u| term.at(*u, length)[0]).collect();
-        let terms = self.cell.cue.terms().iter();
-        terms.map(|term| (term.field.name(), PyArray1::from_vec(py, at(term)))).collect()
+        let terms = cell.cue.terms().iter();
+        Ok(terms.map(|term| (term.field.name(), PyArray1::from_vec(py, at(term)))).collect())
     }
 
     /// The mirror image of the cell.
@@ -373,6 +423,12 @@ pub fn parameter_names() -> Vec<(&'static str, &'static str)> {
         .map(|(section, name, _)| (name, section))
         .chain([("xi_b", "physics"), ("shell_profile", "physics")])
         .collect()
+}
+
+/// The name of the parameter that another name means; any other text is its own.
+#[pyfunction]
+pub fn canonical_name(name: &str) -> &str {
+    settings::canonical_name(name).unwrap_or(name)
 }
 
 /// The names of the presets.

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `document` | results as Python's own values |
 //! | `errors` | the library's errors as Python's exceptions |
+//! | `words` | options of the command line in messages, as arguments |
 //! | `supervise` | work without the interpreter's lock, stopped by Ctrl-C |
 //! | `inputs` | a cell and its numerics, checked |
 //! | `memo` | solved divisions |
@@ -46,6 +47,7 @@ mod supervise;
 mod surfaces;
 mod sweeps;
 mod trees;
+mod words;
 
 /// The part of `furrow` that is compiled.
 #[pyo3::pymodule]
@@ -59,10 +61,10 @@ mod _furrow {
         collocation::Collocation,
         comparisons::{compare_contours, compare_counts, compare_volumes},
         drawings::{Drawing, draw_division, write_movie, write_shapes},
-        files::{cache, explore, merge, new_lineage, reproduce, tree_schema},
+        files::{cache, explore, merge, new_lineage, reproduce, tree_schema, write_text},
         fits::{fit_activity, fit_constants, fit_cue, front},
         hypotheses::test,
-        inputs::{Inputs, parameter_names, presets},
+        inputs::{Inputs, canonical_name, parameter_names, presets},
         measurements::{compare_dose, compare_lifetimes, fit_clock},
         memo::Memo,
         recursion::grow_by,

@@ -131,8 +131,8 @@ pub fn compare_dose(
     threads: usize,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> Result<Document, Error> {
-    let memo = memo.solved()?;
-    supervised(py, Interrupt::Finishes, progress, move |watch| {
+    let (of_call, memo) = (memo, memo.solved()?);
+    let found = supervised(py, Interrupt::Finishes, progress, move |watch| {
         let measured = doses_of(&table, bins.as_deref())?;
         let lineage = lineage_of(lineage.as_deref())?;
         let strongest = lineage.parse_cue(&cue).map_err(bad_cue)?;
@@ -142,5 +142,6 @@ pub fn compare_dose(
             over_dose(&settings.cell, &strongest, &measured, settings.numerics, &memo, options)
         })?;
         Ok(document(&measured, &model, (settings.cell.r0, &cue)).into())
-    })
+    });
+    of_call.warned(py, found)
 }

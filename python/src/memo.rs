@@ -1,13 +1,16 @@
 //! Solved divisions, shared by calls and threads.
 
+use std::ffi::CString;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use furrow_input::InputError;
-use furrow_lineage::batch::{Memo as Solved, Quantisation, Store};
+use furrow_lineage::batch::{Memo as Solved, Quantisation, Store, Summary};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 
-use crate::errors::Error;
+use crate::errors::{ARGUMENTS, Error, wrong_type};
+use crate::words::of_python;
 
 /// Solved divisions. With a store, which is a cache folder, they persist and are shared with other processes, including the
 /// command line.
@@ -24,6 +27,24 @@ pub struct Memo {
 /// A pickled memo: its class and arguments.
 type Reduced<'py> = (Bound<'py, PyAny>, (Option<PathBuf>, f64));
 
+/// The steps to which radii may be rounded.
+const STEPS: &str = "from 0 to 0.5";
+
+/// The warnings of a run: its own, and that the store of its memo is not used, whichever call found that out.
+pub fn run_warnings(summary: &Summary, memo: &Solved) -> Vec<String> {
+    let unused = memo.store().and_then(Store::given_up).filter(|unused| !summary.warnings.contains(unused));
+    let unused = unused.map(|unused| unused.to_string());
+    unused.into_iter().chain(summary.described()).map(|warning| of_python(&warning)).collect()
+}
+
+/// Warns the caller of a function of Python that the store of a memo is not used.
+fn warn_of_store(py: Python<'_>, memo: &Solved) -> PyResult<()> {
+    let Some(unused) = memo.store().and_then(Store::given_up) else { return Ok(()) };
+    let text = CString::new(of_python(&unused.to_string())).unwrap_or_default();
+    // Level 2 is the line that calls the function.
+    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 2)
+}
+
 /// An empty memo.
 fn empty(store: Option<&Path>, quantisation: Quantisation) -> Result<Solved, Error> {
     let memo = Solved::new(quantisation);
@@ -34,6 +55,16 @@ fn empty(store: Option<&Path>, quantisation: Quantisation) -> Result<Solved, Err
 }
 
 impl Memo {
+    /// What a call found, after a warning if the store is not used.
+    ///
+    /// # Errors
+    /// Those of the call, and a warning that Python makes an error.
+    pub fn warned<T>(&self, py: Python<'_>, found: Result<T, Error>) -> Result<T, Error> {
+        let found = found?;
+        warn_of_store(py, &*self.solved()?)?;
+        Ok(found)
+    }
+
     /// The divisions that this process knows.
     ///
     /// After a fork the child begins anew, with the same store: a thread of the parent that held a lock of the old memo, or that was to
@@ -59,9 +90,14 @@ impl Memo {
     /// An empty memo; with `store` one over a folder. `r0_step` is the relative step to which R0 is rounded before a division is looked up.
     #[new]
     #[pyo3(signature = (store=None, r0_step=None))]
-    fn new(py: Python<'_>, store: Option<PathBuf>, r0_step: Option<f64>) -> Result<Memo, Error> {
+    fn new(py: Python<'_>, store: Option<Bound<'_, PyAny>>, r0_step: Option<Bound<'_, PyAny>>) -> Result<Memo, Error> {
+        let folder = "a folder, or a path where one can be made";
+        let path = |given: &Bound<'_, PyAny>| given.extract().map_err(|_| wrong_type("store", given, folder));
+        let number = |given: &Bound<'_, PyAny>| given.extract().map_err(|_| wrong_type("r0_step", given, STEPS));
+        let store: Option<PathBuf> = store.as_ref().map(path).transpose()?;
+        let r0_step: Option<f64> = r0_step.as_ref().map(number).transpose()?;
         let solved = py.detach(|| -> Result<Solved, Error> {
-            let not_allowed = |step| InputError::not_allowed("memo", "r0_step", step, "from 0 to 0.5");
+            let not_allowed = |step| InputError::not_allowed(ARGUMENTS, "r0_step", step, STEPS);
             let quantisation = r0_step.map_or(Ok(Quantisation::DEFAULT), Quantisation::with_relative_step);
             empty(store.as_deref(), quantisation.map_err(not_allowed)?)
         })?;

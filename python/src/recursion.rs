@@ -5,6 +5,7 @@ use std::sync::Arc;
 use furrow_cell::profile::ELLIPSOID;
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_lineage::batch::scheduler::{Solved, Summary, solve_all};
+use furrow_lineage::grow::oriented;
 use furrow_lineage::{CellId, Fate, FounderPhysics, Lineage, Side, TerminalReason, Tree, TreeCell, TreeSettings};
 use furrow_mechanics::division::{Division, divide};
 use pyo3::prelude::*;
@@ -13,7 +14,7 @@ use serde_json::json;
 use crate::document::Document;
 use crate::errors::{ARGUMENTS, Error};
 use crate::inputs::Inputs;
-use crate::memo::Memo;
+use crate::memo::{Memo, run_warnings};
 use crate::supervise::{Interrupt, supervised};
 use crate::trees::GrownTree;
 
@@ -67,7 +68,8 @@ impl Growing<'_> {
             }
         }
         let physics = (!physics.is_empty()).then(|| Box::new(physics));
-        let Born { name, volume_fraction, from, .. } = born;
+        let volume_fraction = self.volume_fraction(&born, of);
+        let Born { name, from, .. } = born;
         let cue = of.cue.clone();
         let cell = TreeCell { name, founder: 0, generation, r0: of.r0, volume_fraction, cue, physics, fate };
         Ok(match (&mut self.tree, from) {
@@ -79,6 +81,11 @@ impl Growing<'_> {
                 tree.insert(Tree::new(Lineage::parse(&text, ARGUMENTS)?, settings, cell)).first()
             }
         })
+    }
+
+    /// A cell's volume as a fraction of the first cell's. A radius that the function gives changes it.
+    fn volume_fraction(&self, born: &Born, of: &Cell) -> f64 {
+        if of.r0 == born.r0 { born.volume_fraction } else { (of.r0 / self.first.r0).powi(3) }
     }
 
     /// The daughters of a cell, the anterior one first.
@@ -109,9 +116,9 @@ pub fn grow_by(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> Result<(GrownTree, Document), Error> {
     let (max_depth, max_cells) = limits;
-    let memo = memo.solved()?;
+    let known = memo.solved()?;
     let mut growing =
-        Growing { rule, tree: None, seed, r0_step: memo.quantisation().relative_step(), first: Cell::new(first_r0) };
+        Growing { rule, tree: None, seed, r0_step: known.quantisation().relative_step(), first: Cell::new(first_r0) };
     let mut born = vec![Born { name: name.to_owned(), r0: first_r0, volume_fraction: 1.0, from: None }];
     let (mut summary, mut generation) = (Summary::default(), 0);
     while !born.is_empty() {
@@ -135,12 +142,12 @@ pub fn grow_by(
             born.iter().map(|_| TerminalReason::MaxCells { max_cells }.into()).collect()
         } else {
             let inputs = cells.iter().flatten().map(|inputs| inputs.division(seed)).collect::<Result<Vec<_>, _>>()?;
-            let memo = Arc::clone(&memo);
+            let memo = Arc::clone(&known);
             let solved = supervised(py, Interrupt::Finishes, progress, move |watch| {
                 let solved = watch.scheduled(threads, |options| solve_all(inputs, &memo, options, divide))?;
                 if solved.summary.interrupted { Err(Error::Interrupted(0)) } else { Ok(solved) }
             })?;
-            fates(generation, &cells, solved, &mut summary)
+            fates(generation, seed, (&born, &cells), solved, &mut summary)
         };
         let like = growing.first.clone();
         let mut next = Vec::new();
@@ -152,20 +159,32 @@ pub fn grow_by(
         (born, generation) = (next, generation + 1);
     }
     let tree = growing.tree.ok_or_else(|| Error::not_allowed("name", name, "the name of a cell"))?;
-    let work = json!({ "divisions_solved": summary.solved, "memo_hits": summary.memo_hits, "warnings": [] });
+    let warnings: Vec<String> = run_warnings(&summary, &known).into_iter().chain(tree.doubts()).collect();
+    let work = json!({ "divisions_solved": summary.solved, "memo_hits": summary.memo_hits, "warnings": warnings });
     Ok((GrownTree { tree: Arc::new(tree) }, work.into()))
 }
 
-/// The fates of a generation's cells: those without parameters do not divide.
-fn fates(generation: u32, cells: &[Option<Inputs>], solved: Solved, summary: &mut Summary) -> Vec<Fate> {
+/// The fates of a generation's cells: those without parameters do not divide. Where the poles of a cell are alike, its smaller daughter is
+/// on the side that the seed and its name draw, as in trees of a lineage file.
+fn fates(
+    generation: u32,
+    seed: u64,
+    (born, cells): (&[Born], &[Option<Inputs>]),
+    solved: Solved,
+    summary: &mut Summary,
+) -> Vec<Fate> {
     let Solved { divisions, unsolved, summary: run } = solved;
     summary.add(run);
     let mut divisions = divisions.into_iter().enumerate();
-    let mut fate = |_: &Inputs| -> Option<Fate> {
+    let mut fate = |born: &Born, inputs: &Inputs| -> Option<Fate> {
         let (id, division): (usize, Option<Division>) = divisions.next()?;
         let why = || unsolved.iter().find(|job| job.id == id).map_or(String::new(), |job| job.failure.to_string());
-        Some(division.map_or_else(|| TerminalReason::Undecided { why: why() }.into(), Fate::from))
+        let turned = division.map(|division| oriented(&division, &inputs.cell, &born.name, seed));
+        Some(turned.map_or_else(|| TerminalReason::Undecided { why: why() }.into(), Fate::from))
     };
     let ended = || TerminalReason::MaxDepth { max_depth: generation }.into();
-    cells.iter().map(|inputs| inputs.as_ref().and_then(&mut fate).unwrap_or_else(ended)).collect()
+    let of = |(born, inputs): (&Born, &Option<Inputs>)| {
+        inputs.as_ref().and_then(|inputs| fate(born, inputs)).unwrap_or_else(ended)
+    };
+    born.iter().zip(cells).map(of).collect()
 }

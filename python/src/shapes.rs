@@ -21,7 +21,7 @@ use crate::document::Document;
 use crate::drawings::Drawing;
 use crate::errors::{ARGUMENTS, Error};
 use crate::inputs::{Given, Inputs, Named, lineage_of};
-use crate::memo::Memo;
+use crate::memo::{Memo, run_warnings};
 use crate::solve::parameter;
 use crate::supervise::{Interrupt, supervised};
 use crate::trees::one_of;
@@ -98,7 +98,7 @@ pub fn phase(
         }
         let (mut edges, mut warnings) = edges(&plane, azimuthal);
         edges.bent = bent_edges(&plane, &mut warnings);
-        warnings.extend(diagram.summary.described());
+        warnings.extend(run_warnings(&diagram.summary, &memo));
         warnings.extend(diagram.undecided.iter().map(|(why, count)| format!("{count} undecided: {why}")));
         let failed = |column: &furrow_lineage::batch::phase::Column| {
             let error = column.error.as_ref()?;
@@ -184,6 +184,7 @@ pub fn polarity(
     let length_um = length_um.or(lineage.units().length_um).unwrap_or(LENGTH_UM);
     given.parameters.scale_radius(&lineage)?;
     let settings = given.for_divisions()?;
+    settings.check_axisymmetric(ARGUMENTS)?;
     supervised(py, Interrupt::Abandons, None, move |_| {
         let failed = |error: PolarityStudyError| Error::no_outcome(error);
         let cells = match one {

@@ -46,8 +46,8 @@ pub fn solve(
     settings.check_divisions(crate::errors::ARGUMENTS)?;
     let (cell, numerics) = (settings.cell, inputs.numerics);
     let question = Question { cell, numerics, seed, parameter, range, points, measure, wanted };
-    let memo = memo.solved()?;
-    supervised(py, Interrupt::Finishes, progress, move |watch| {
+    let (of_call, memo) = (memo, memo.solved()?);
+    let found = supervised(py, Interrupt::Finishes, progress, move |watch| {
         let found = watch.scheduled(threads, |options| solved(&question, &memo, options));
         let found = found.and_then(|found| found.with_roots(&question)).map_err(|error| match error {
             SolveError::Workers(error) => error.into(),
@@ -55,7 +55,8 @@ pub fn solve(
             error => Error::no_outcome(error),
         })?;
         Document::of(&found)
-    })
+    });
+    of_call.warned(py, found)
 }
 
 /// A parameter that the cell has, by its name.

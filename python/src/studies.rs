@@ -31,7 +31,10 @@ pub fn read(source: &Source, unknowns: Option<&[String]>, given: &Given) -> Resu
         targets.unknowns = names.iter().map(unknown).collect::<Result<_, Error>>()?;
     }
     targets.check(&name)?;
-    Ok((targets, given.settings()?))
+    let settings = given.settings()?;
+    settings.check_axisymmetric(ARGUMENTS)?;
+    settings.check_paper_model("constants calibrated with it")?;
+    Ok((targets, settings))
 }
 
 /// Constants from thresholds.
@@ -92,7 +95,7 @@ pub fn ranges(
     supervised(py, Interrupt::Finishes, None, move |watch| {
         let (text, name) =
             text_of(&source, "constants")?.ok_or_else(|| Error::not_allowed("constants", "None", "a table"))?;
-        let scenarios = scenarios(&[lineage], &cues, &given, seed, memo.quantisation())?;
+        let (scenarios, _) = scenarios(&[lineage], &cues, &given, seed, memo.quantisation())?;
         let first = scenarios.first().ok_or_else(|| Error::not_allowed("lineage", "none", "one lineage"))?;
         let sets = read_constants_of(&text, &name, &first.lineage)?;
         given.check_beside(&sets, &name)?;

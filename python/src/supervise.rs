@@ -58,7 +58,8 @@ pub enum Interrupt {
 
 /// Runs work on its own thread and waits for it.
 ///
-/// `progress` is called regularly, on the calling thread, with the numbers of finished and of all divisions or points.
+/// `progress` is called regularly, on the calling thread, with the numbers of finished and of all divisions or points, as soon as there
+/// are any, and at the end of successful work with the number of all.
 ///
 /// # Errors
 /// The error of the work; `Interrupted` after Ctrl-C; what `progress` raises.
@@ -92,6 +93,12 @@ pub fn supervised<T: Send + 'static>(
                 return match (stopped, done) {
                     (Some(error), _) => Err(explained(error)),
                     (None, Err(Error::Interrupted(_))) => Err(Error::Interrupted(watch.count(0))),
+                    (None, Ok(done)) => {
+                        // All is finished, also of a run that was too short to tell.
+                        let of = watch.count(2);
+                        let told = progress.filter(|_| of > 0).map(|show| show.call1((of, of)));
+                        told.transpose().map(|_| done).map_err(explained)
+                    }
                     (None, done) => done,
                 };
             }
@@ -100,7 +107,9 @@ pub fn supervised<T: Send + 'static>(
             Err(RecvTimeoutError::Timeout) => {}
         }
         let heard = py.check_signals().and_then(|()| match progress {
-            Some(show) if stopped.is_none() => show.call1((watch.count(1), watch.count(2))).map(drop),
+            Some(show) if stopped.is_none() && watch.count(2) > 0 => {
+                show.call1((watch.count(1), watch.count(2))).map(drop)
+            }
             _ => Ok(()),
         });
         if let Err(error) = heard {

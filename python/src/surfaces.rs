@@ -15,7 +15,7 @@ use serde_json::json;
 use crate::cells::{WallParts, wall_parts};
 use crate::document::Document;
 use crate::errors::{ARGUMENTS, Error};
-use crate::inputs::{Columns, Inputs, arrays, positive};
+use crate::inputs::{Columns, Inputs, arrays, fixed, positive};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 
@@ -89,11 +89,11 @@ fn grids<'py>(py: Python<'py>, samples: &[Sample]) -> PyResult<Bound<'py, PyDict
     let numbers = |of: Vec<f64>| PyArray1::from_vec(py, of);
     let dict = PyDict::new(py);
     let u = numbers(samples.iter().step_by(COLUMNS).map(|at| at.share).collect());
-    dict.set_item("u", u.reshape([count, ROWS])?)?;
-    dict.set_item("positions", vectors(|at| at.x)?)?;
-    dict.set_item("normals", vectors(|at| at.normal)?)?;
+    dict.set_item("u", fixed(u.reshape([count, ROWS])?)?)?;
+    dict.set_item("positions", fixed(vectors(|at| at.x)?)?)?;
+    dict.set_item("normals", fixed(vectors(|at| at.normal)?)?)?;
     let tension = numbers(samples.iter().map(|at| at.tension).collect());
-    dict.set_item("tension", tension.reshape([count, ROWS, COLUMNS])?)?;
+    dict.set_item("tension", fixed(tension.reshape([count, ROWS, COLUMNS])?)?)?;
     Ok(dict)
 }
 

@@ -11,14 +11,14 @@ use pyo3::types::{PyDict, PyList};
 use serde_json::Value;
 
 use crate::errors::{ARGUMENTS, Error};
-use crate::inputs::{Given, shard_of};
-use crate::memo::Memo;
+use crate::inputs::{Given, fixed, shard_of};
+use crate::memo::{Memo, run_warnings};
 use crate::supervise::{Interrupt, supervised};
 use crate::trees::one_of;
 
-/// A table: columns by name (numbers as arrays, words as lists), reasons of undecided points by row, the text of the CSV, and the
-/// numbers of points solved and reused.
-type Table<'py> = (Bound<'py, PyDict>, Vec<(usize, String)>, String, (usize, usize));
+/// A table: columns by name (numbers as arrays, words as lists), reasons of undecided points by row, the text of the CSV, the numbers
+/// of points solved and reused, and warnings.
+type Table<'py> = (Bound<'py, PyDict>, Vec<(usize, String)>, String, (usize, usize), Vec<String>);
 
 /// A sweep: its file, or lists of values. Python gives it as a dict.
 #[derive(FromPyObject)]
@@ -78,8 +78,13 @@ pub fn sweep<'py>(
 ) -> Result<Table<'py>, Error> {
     let shard = shard.map(shard_of);
     let (shard, memo) = (shard.transpose()?, memo.solved()?);
-    let (sweep, done) = supervised(py, Interrupt::Finishes, progress, move |watch| {
+    let (sweep, done, warnings) = supervised(py, Interrupt::Finishes, progress, move |watch| {
         let sweep = asked.read(&given)?;
+        if matches!(sweep.kind, Kind::Pitchfork) {
+            sweep.settings.check_axisymmetric(ARGUMENTS)?;
+        }
+        let mut warnings = sweep.doubts();
+        warnings.extend(sweep.lacks_regulator());
         // Divisions are stored when they are finished, shapes are not.
         let kept = out.is_some() || matches!(sweep.kind, Kind::Division | Kind::Tree);
         let show = |SweepProgress { done, of }| watch.set([if kept { done } else { 0 }, done, of]);
@@ -100,7 +105,9 @@ pub fn sweep<'py>(
             journal.map_or(Ok(()), |journal| journal.finish()).map_err(Error::system)?;
             done.rows = table.rows;
         }
-        Ok((sweep, done))
+        warnings.extend(run_warnings(&done.summary, &memo));
+        warnings.extend(done.undecided_points());
+        Ok((sweep, done, warnings))
     })?;
     let SweepResult { rows, resumed, summary } = done;
     let names = sweep.columns();
@@ -110,7 +117,7 @@ pub fn sweep<'py>(
         dict.set_item(name, column(py, &rows, place)?)?;
     }
     let why = rows.iter().enumerate().filter_map(|(k, row)| Some((k, row.why.clone()?))).collect();
-    Ok((dict, why, csv, (summary.solved, summary.memo_hits + resumed)))
+    Ok((dict, why, csv, (summary.solved, summary.memo_hits + resumed), warnings))
 }
 
 /// One column: an array if it is numeric, with NaN for missing values, else a list.
@@ -125,5 +132,5 @@ fn column<'py>(py: Python<'py>, rows: &[Row], place: usize) -> PyResult<Bound<'p
         return Ok(PyList::new(py, words.collect::<Vec<_>>())?.into_any());
     }
     let numbers = cells().map(|cell| cell.as_f64().unwrap_or(f64::NAN)).collect();
-    Ok(PyArray1::from_vec(py, numbers).into_any())
+    Ok(fixed(PyArray1::from_vec(py, numbers))?.into_any())
 }

@@ -14,10 +14,11 @@ use furrow_formats::exchange::{
 use furrow_formats::tree_json::LONGEST_TREE;
 use furrow_formats::{founder_rows, newick, tree_from_json, tree_to_json};
 use furrow_input::{InputError, did_you_mean, read_text_up_to, shown};
-use furrow_lineage::batch::Quantisation;
 use furrow_lineage::batch::scheduler::Summary;
+use furrow_lineage::batch::{Memo as Solved, Quantisation};
 use furrow_lineage::clock::alive;
-use furrow_lineage::{CellId, Lineage, Tree, TreeCell};
+use furrow_lineage::units::{MOST_PLAIN, plain_radius};
+use furrow_lineage::{CellId, Length, Lineage, Tree, TreeCell};
 use furrow_measured::tracked::{TableKind, embryo_files};
 use furrow_mechanics::division::Division;
 use furrow_report::{self as report, TreeSummary};
@@ -29,8 +30,8 @@ use serde_json::json;
 use crate::document::Document;
 use crate::drawings::Drawing;
 use crate::errors::{ARGUMENTS, Error};
-use crate::inputs::{Given, MatchAsked, arrays, bad_cue, lineage_of, matched_names};
-use crate::memo::Memo;
+use crate::inputs::{Given, MatchAsked, arrays, bad_cue, fixed, lineage_of, matched_names};
+use crate::memo::{Memo, run_warnings};
 use crate::supervise::{Interrupt, supervised};
 
 /// A tree.
@@ -46,6 +47,9 @@ type OverTime<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>);
 /// A lineage's label, and the lineage as for [`lineage_of`].
 pub type Labelled = (String, Option<String>);
 
+/// Doubts about the lineage of each scenario, and about its cue and its first cell.
+pub type Doubts = Vec<Vec<String>>;
+
 /// The scenarios: every lineage with every cue; without cues the lineages keep theirs.
 pub fn scenarios(
     lineages: &[Labelled],
@@ -53,14 +57,26 @@ pub fn scenarios(
     given: &Given,
     seed: u64,
     quantisation: Quantisation,
-) -> Result<Vec<Scenario>, InputError> {
-    let mut sources = Vec::new();
+) -> Result<(Vec<Scenario>, Doubts), InputError> {
+    let (mut sources, mut doubts) = (Vec::new(), Doubts::new());
     for (label, text) in lineages {
         let (mut lineage, mut given) = (lineage_of(text.as_deref())?, given.clone());
         let first_given = given.parameters.scale_radius(&lineage)?;
         let settings = given.for_divisions()?;
-        if first_given {
+        if let Some(r0) = first_given {
+            if matches!(r0, Length::Natural(r0) if r0 > MOST_PLAIN) {
+                return Err(InputError::not_allowed(ARGUMENTS, "r0", r0, plain_radius(settings.cell.r0)));
+            }
             lineage.forget_first_radius();
+        }
+        let mut of_lineage = lineage.doubts();
+        of_lineage.extend(lineage.first_size_doubt(first_given, settings.cell.r0));
+        match cues {
+            [] => doubts.push(of_lineage),
+            cues => doubts.extend(cues.iter().map(|cue| {
+                let who = lineage.who_gets(cue, &settings.cell);
+                of_lineage.iter().cloned().chain(who).collect()
+            })),
         }
         let settings = tree_settings(settings, &lineage, seed, quantisation);
         sources.push(Source { label: label.clone(), lineage, settings });
@@ -76,27 +92,30 @@ pub fn scenarios(
             InputError::not_allowed(ARGUMENTS, "cues", second, allowed)
         }
     })?;
-    for Scenario { lineage, settings, .. } in &scenarios {
+    for (Scenario { lineage, settings, .. }, doubts) in scenarios.iter().zip(&mut doubts) {
         lineage.check_cells(&settings.cell, &settings.numerics, ARGUMENTS)?;
+        // Rules for cues that the call took away are meant for other calls.
+        if cues.is_empty() || !lineage.is_without_cues() {
+            doubts.extend(lineage.rules_without_cue());
+        }
     }
-    Ok(scenarios)
+    Ok((scenarios, doubts))
 }
 
-/// A tree with the name, the lineage and the cue of its scenario.
-type Named = (ScenarioNames, GrownTree);
+/// A tree with the name, the lineage and the cue of its scenario, and its warnings.
+type Named = (ScenarioNames, GrownTree, Vec<String>);
 
 /// The name, the folder, the lineage and the cue of a scenario.
 type ScenarioNames = (String, String, String, Option<String>);
 
-fn named(Scenario { name, folder, label, cue, .. }: Scenario, tree: Tree) -> Named {
-    ((name, folder, label, cue), GrownTree { tree: Arc::new(tree) })
+fn named(Scenario { name, folder, label, cue, .. }: Scenario, tree: Tree, mut doubts: Vec<String>) -> Named {
+    doubts.extend(tree.doubts());
+    ((name, folder, label, cue), GrownTree { tree: Arc::new(tree) }, doubts)
 }
 
 /// The work of a run and its warnings.
-fn work(summary: &Summary, unknown: usize, trees: &[Tree]) -> Document {
-    let mut warnings: Vec<String> = summary.described().collect();
-    warnings.extend(trees.iter().filter_map(Tree::lacks_regulator));
-    warnings.extend(trees.iter().flat_map(|tree| tree.lineage.rules_without_cue()));
+fn work(summary: &Summary, unknown: usize, memo: &Solved) -> Document {
+    let mut warnings = run_warnings(summary, memo);
     if unknown > 0 {
         warnings.push(format!("{unknown} cues have no critical radius: all divisions of their cells were computed"));
     }
@@ -119,17 +138,18 @@ pub fn grow(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> Result<(Vec<Named>, Document), Error> {
     let memo = memo.solved()?;
-    let (scenarios, Grown { trees, summary, unknown }) = supervised(py, Interrupt::Finishes, progress, move |watch| {
-        let scenarios = scenarios(&lineages, &cues, &given, seed, memo.quantisation())?;
+    supervised(py, Interrupt::Finishes, progress, move |watch| {
+        let (scenarios, doubts) = scenarios(&lineages, &cues, &given, seed, memo.quantisation())?;
         let found = watch.scheduled(threads, |options| grown(&scenarios, dynamics, &memo, *options, &watch.stop))?;
-        Ok((scenarios, found))
-    })?;
-    let work = work(&summary, unknown.len(), &trees);
-    Ok((scenarios.into_iter().zip(trees).map(|(scenario, tree)| named(scenario, tree)).collect(), work))
+        let Grown { trees, summary, unknown } = found;
+        let work = work(&summary, unknown.len(), &memo);
+        let named = scenarios.into_iter().zip(trees).zip(doubts).map(|((one, tree), doubts)| named(one, tree, doubts));
+        Ok((named.collect(), work))
+    })
 }
 
-/// A tree, ranges over seeds, their picture, the page of both, and the run's work.
-type Spread = (GrownTree, Document, Drawing, String, Document);
+/// A tree, ranges over seeds, their picture, the page of both, the run's work, and warnings of the tree.
+type Spread = (GrownTree, Document, Drawing, String, Document, Vec<String>);
 
 /// Grows one lineage with several seeds.
 #[pyfunction]
@@ -148,7 +168,7 @@ pub fn grow_spread(
 ) -> Result<Spread, Error> {
     let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
-        let scenarios = scenarios(&[lineage], &cues, &given, seed, memo.quantisation())?;
+        let (scenarios, doubts) = scenarios(&[lineage], &cues, &given, seed, memo.quantisation())?;
         let (found, ranges) = watch.scheduled(threads, |options| {
             grown_replicates(&scenarios, count, dynamics, &memo, *options, &watch.stop)
         })?;
@@ -157,8 +177,9 @@ pub fn grow_spread(
         };
         let drawing = Drawing::of(plot::rounds::draw_ranges(&tree.lineage, ranges));
         let page = report::html(&tree, &founder_rows(&tree), Some(ranges));
-        let work = work(&found.summary, found.unknown.len(), std::slice::from_ref(&tree));
-        Ok((GrownTree { tree: Arc::new(tree) }, Document::of(ranges)?, drawing, page, work))
+        let doubts = doubts.into_iter().flatten().chain(tree.doubts()).collect();
+        let work = work(&found.summary, found.unknown.len(), &memo);
+        Ok((GrownTree { tree: Arc::new(tree) }, Document::of(ranges)?, drawing, page, work, doubts))
     })
 }
 
@@ -209,13 +230,20 @@ fn below<'t>(sheet: Sheet<'t>, subtree: Option<&str>) -> Result<Sheet<'t>, Error
     })
 }
 
+/// The branch lengths that are asked for, if the format can have them.
+fn lengths_of(name: Option<&str>, format: Format) -> Result<Option<BranchLengths>, Error> {
+    let lengths = name.map(|name| one_of("lengths", name, BranchLengths::NAMED)).transpose()?;
+    lengths.map_or(Ok(()), |lengths| format.check_lengths(lengths))?;
+    Ok(lengths)
+}
+
 /// The arguments of an export of an observed embryo; Python gives them as a dict.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct ExportAsked {
     embryo: PathBuf,
     format: String,
-    lengths: String,
+    lengths: Option<String>,
     lineage: Option<String>,
     volumes: Vec<PathBuf>,
     frame_minutes: Option<f64>,
@@ -233,10 +261,8 @@ pub fn export_observed<'py>(
 ) -> Result<Vec<(String, Bound<'py, PyAny>)>, Error> {
     let exported = py.detach(|| {
         let format = one_of("format", &asked.format, Format::ALL.map(|format| (format.name(), format)))?;
-        let lengths = one_of("lengths", &asked.lengths, BranchLengths::NAMED)?;
-        if format != Format::Csv {
-            format.check_lengths(lengths)?;
-        }
+        // Time points come from the recording.
+        let lengths = lengths_of(asked.lengths.as_deref(), format)?.unwrap_or(BranchLengths::Minutes);
         let lineage = lineage_of(asked.lineage.as_deref())?;
         let names = matched_names(&lineage, &asked.matching)?;
         let (frame_minutes, voxel, volumes) =
@@ -269,9 +295,9 @@ fn files_of(py: Python<'_>, exported: Exported) -> Vec<(String, Bound<'_, PyAny>
 }
 
 impl GrownTree {
-    fn exported(&self, format: &str, lengths: &str, subtree: Option<&str>) -> Result<Exported, Error> {
+    fn exported(&self, format: &str, lengths: Option<&str>, subtree: Option<&str>) -> Result<Exported, Error> {
         let format = one_of("format", format, Format::ALL.map(|format| (format.name(), format)))?;
-        let lengths = one_of("lengths", lengths, BranchLengths::NAMED)?;
+        let lengths = lengths_of(lengths, format)?.unwrap_or_default();
         check_tree(&self.tree, format, lengths)?;
         let (timed, colours) = (TimedTree::new(&self.tree), report::founder_colours(&self.tree.lineage));
         let sheet = below(Sheet::of_tree(&timed), subtree)?;
@@ -344,11 +370,12 @@ impl GrownTree {
     }
 
     /// Minutes, and the cells alive then; `None` without a clock.
-    fn alive<'py>(&self, py: Python<'py>) -> Option<OverTime<'py>> {
-        let alive = alive(&self.tree.times()?);
+    fn alive<'py>(&self, py: Python<'py>) -> PyResult<Option<OverTime<'py>>> {
+        let Some(times) = self.tree.times() else { return Ok(None) };
+        let alive = alive(&times);
         let minutes = alive.iter().map(|alive| alive.min).collect();
         let cells = alive.iter().map(|alive| alive.cells as i64).collect();
-        Some((PyArray1::from_vec(py, minutes), PyArray1::from_vec(py, cells)))
+        Ok(Some((fixed(PyArray1::from_vec(py, minutes))?, fixed(PyArray1::from_vec(py, cells))?)))
     }
 
     /// The tree as an interactive page.
@@ -361,7 +388,7 @@ impl GrownTree {
         &self,
         py: Python<'py>,
         format: &str,
-        lengths: &str,
+        lengths: Option<&str>,
         subtree: Option<&str>,
     ) -> Result<Vec<(String, Bound<'py, PyAny>)>, Error> {
         Ok(files_of(py, self.exported(format, lengths, subtree)?))
@@ -372,7 +399,7 @@ impl GrownTree {
         &self,
         py: Python<'_>,
         format: &str,
-        lengths: &str,
+        lengths: Option<&str>,
         subtree: Option<&str>,
         path: PathBuf,
     ) -> Result<(), Error> {
@@ -409,13 +436,13 @@ impl GrownTree {
             [("birth_min", births), ("division_min", divisions)]
         });
         let dict = arrays(py, numbers.into_iter().chain(by_rules).chain(minutes).collect())?;
-        let whole = |of: &dyn Fn(CellId) -> i64| PyArray1::from_vec(py, tree.cells().map(of).collect());
-        dict.set_item("generation", whole(&|id| i64::from(tree.cell(id).generation)))?;
-        dict.set_item("mother", whole(&|id| tree.mother(id).map_or(-1, |mother| mother.index() as i64)))?;
+        let whole = |of: &dyn Fn(CellId) -> i64| fixed(PyArray1::from_vec(py, tree.cells().map(of).collect()));
+        dict.set_item("generation", whole(&|id| i64::from(tree.cell(id).generation))?)?;
+        dict.set_item("mother", whole(&|id| tree.mother(id).map_or(-1, |mother| mother.index() as i64))?)?;
         let words = |of: &dyn Fn(CellId) -> Option<String>| PyList::new(py, tree.cells().map(of));
         if let Some(times) = &times {
             let beyond = times.iter().map(|cell| cell.lifetime_extrapolated).collect();
-            dict.set_item("lifetime_extrapolated", PyArray1::from_vec(py, beyond))?;
+            dict.set_item("lifetime_extrapolated", fixed(PyArray1::from_vec(py, beyond))?)?;
         }
         dict.set_item("name", words(&|id| Some(tree.cell(id).name.clone()))?)?;
         dict.set_item("founder", words(&|id| Some(tree.founder_name(id).to_owned()))?)?;

@@ -316,3 +316,51 @@ def test_a_cue_is_told_place_by_place():
     found = cell.cue_at([0.0, 0.4, 1.0], length=10)
     np.testing.assert_allclose(found["kappa"], 0.2 * np.exp(-((np.array([0.0, 0.4, 1.0]) - 0.4) ** 2) / 0.01))
     np.testing.assert_allclose(found["tension"], [0.5, 0.1, -0.5])
+
+
+def test_a_cue_that_follows_polarity_is_where_it_acts(cli):
+    text = "kappa:par_band,amplitude=0.1"
+    cell = furrow.Cell(4, cue=text)
+    theirs = cli.json("divide", "--r0", "4", "--cue", text)["resolved_cue"]
+    assert cell.resolved_cue == theirs and theirs.startswith("kappa:band,u0=0.433")
+    places = [0.3, 0.43, 0.5]
+    np.testing.assert_array_equal(cell.cue_at(places, 14)["kappa"], furrow.Cell(4, cue=theirs).cue_at(places, 14)["kappa"])
+    assert cell.cue_at([0.43306], 14)["kappa"] == pytest.approx([0.1], rel=1e-6)
+    # A small cell has no polarity, and other cues do not depend on it.
+    small = cell.replace(r0=2.2)
+    assert small.resolved_cue == "none" and small.cue_at(places, 8) == {}
+    assert furrow.Cell(4, cue="germline").resolved_cue is None
+
+
+def test_equal_cells_have_equal_hashes():
+    assert furrow.Cell(2, tension=-0.0) == furrow.Cell(2, tension=0.0)
+    assert hash(furrow.Cell(2, tension=-0.0)) == hash(furrow.Cell(2, tension=0.0))
+
+
+def test_one_replicate_has_no_spread(cli, memo):
+    theirs = cli.json("divide", "--r0", "2")
+    ours = furrow.Cell(2).divide(replicates=1, memo=memo)
+    assert ours.chi_sd == theirs["chi_sd"] == 0.0
+    assert furrow.Cell(1.5).divide(replicates=2, memo=memo).chi_sd is None
+
+
+def test_results_cannot_be_written_to():
+    frames = furrow.Cell(2.2).divide(frames=True).frames
+    branch = furrow.Cell(2).branch(xi_max=24, azimuthal=1)["symmetric"]
+    bent = furrow.Cell(1.0, modes=2, elements=32).steady().surface
+    arrays = [frames.t, frames.wall, frames[3].contour["r"], branch.H, branch.azimuthal, bent.positions, bent.u]
+    arrays += [furrow.Cell(2, xi_s=12).steady().contour["r"], furrow.Cell(2, xi_s=20).perturb(until=1)[0].distance]
+    assert not any(array.flags.writeable for array in arrays)
+    with pytest.raises(ValueError, match="read-only"):
+        frames.t[0] = 1
+
+
+def test_all_frames_may_be_asked_for_by_numpy():
+    cell = furrow.Cell(2.2)
+    assert len(cell.divide(frames=np.True_).frames) == len(cell.divide(frames=True).frames)
+    assert cell.divide(frames=np.False_).frames is None
+    frames = cell.divide(frames=0.5).frames
+    assert frames.at(0.6).t == pytest.approx(0.5)
+    for t in (float("nan"), float("inf"), "1"):
+        with pytest.raises(furrow.InputError):
+            frames.at(t)

@@ -289,3 +289,69 @@ def test_an_outline_of_the_model_is_found_again():
             furrow.compare.contours(bad, division)
     with pytest.raises(furrow.InputError):
         furrow.compare.contours([ring], furrow.Cell(r0=2).divide())
+
+
+def test_an_outline_that_cannot_be_used_is_skipped():
+    division = furrow.Cell(r0=4, cue="germline").divide(frames=True)
+    half = division.frames[40].contour.points
+    ring = np.concatenate((half, half[::-1] * [-1, 1]))
+    found = furrow.compare.contours([[[0, 0], [1, 1]], ring, np.full((5, 2), np.nan)], division)
+    assert found.used == len(found.contours) == len(found.laid) == 1 and found.contours[0]["file"] == "1"
+    assert [one["contour"] for one in found.skipped] == [0, 2] and "at least 3" in found.skipped[0]["why"]
+    assert found.similarity == furrow.compare.contours([ring], division).similarity
+    assert json.loads(json.dumps(found.to_dict()))["skipped"][0]["contour"] == 0
+
+
+def test_an_empty_list_of_files_is_no_published_table():
+    for call, field in (
+        (lambda: furrow.compare.volumes([]), "table"),
+        (lambda: furrow.compare.volumes({}), "table"),
+        (lambda: furrow.compare.volumes(TABLE, against=[]), "against"),
+        (lambda: furrow.compare.lifetimes([]), "table"),
+        (lambda: furrow.compare.lifetimes(volumes=[]), "volumes"),
+        (lambda: furrow.compare.dose([]), "table"),
+        (lambda: furrow.fit.clock([]), "table"),
+        (lambda: furrow.test([], ["none"]), "table"),
+    ):
+        with pytest.raises(furrow.InputError) as refused:
+            call()
+        assert refused.value.field == field
+
+
+def test_arguments_without_effect_are_refused():
+    for call, field in (
+        (lambda: furrow.compare.volumes(TABLE, published="villoutreix2016"), "published"),
+        (lambda: furrow.compare.volumes(TABLE, voxel=0.1), "voxel"),
+        (lambda: furrow.compare.lifetimes(common_pace=True), "common_pace"),
+        (lambda: furrow.compare.lifetimes(frame_minutes=2), "frame_minutes"),
+        (lambda: furrow.compare.lifetimes(LIFETIMES, frame_minutes=2), "frame_minutes"),
+        (lambda: furrow.fit.clock(common_pace=True), "common_pace"),
+    ):
+        with pytest.raises(furrow.InputError) as refused:
+            call()
+        assert refused.value.field == field and str(refused.value).startswith(f"furrow: {field} = ")
+
+
+def test_names_in_tables_in_memory_may_begin_with_a_number_sign(known):
+    """A file has comments; a table in memory has none."""
+    marked = {**TABLE, "embryo": [f"#{embryo}" for embryo in TABLE["embryo"]]}
+    plain = furrow.compare.volumes(TABLE, memo=known).mothers
+    assert furrow.compare.volumes(marked, memo=known).mothers == plain
+    assert furrow.compare.volumes({**TABLE, "embryo": ["sep=" if e == "2" else e for e in TABLE["embryo"]]}).mothers == plain
+    doses = furrow.compare.dose({"condition": ["#1", "#2"], "dose": [0.5, 1.0], "larger_share": [0.55, 0.6]}, memo=known)
+    assert sum(row["n"] for row in doses["bins"]) == 2
+    times = {"embryo": ["#1"] * len(LIFETIMES["cell"]), **LIFETIMES}
+    assert furrow.compare.lifetimes(times)["cells"] == furrow.compare.lifetimes({**times, "embryo": ["1"] * 7})["cells"]
+    chi = {"embryo": ["#1", "#2", "#3", "x"], "mother": ["P0"] * 4, "chi": [0.18, 0.17, 0.16, 0.15]}
+    assert furrow.test(chi, ["none"], free=[], memo=known)["hypotheses"][0]["cells"][0]["n"] == 4
+    pandas = pytest.importorskip("pandas")
+    assert furrow.compare.volumes(pandas.DataFrame(marked), memo=known).mothers == plain
+    assert furrow.test(pandas.DataFrame(chi), ["none"], free=[], memo=known)["hypotheses"][0]["cells"][0]["n"] == 4
+
+
+def test_half_floats_keep_their_value(known):
+    pandas = pytest.importorskip("pandas")
+    shares = np.array([0.5513, 0.6021], dtype=np.float16)
+    exact = {"dose": [0.5, 1.0], "larger_share": [float(share) for share in shares]}
+    ours = furrow.compare.dose(pandas.DataFrame({"dose": [0.5, 1.0], "larger_share": shares}), memo=known)
+    assert ours["bins"] == furrow.compare.dose(exact, memo=known)["bins"]

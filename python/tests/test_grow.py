@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sqlite3
 
-import numpy as np
 import pytest
 from conftest import REPOSITORY
 
@@ -18,10 +17,41 @@ def test_a_tree_by_a_function_is_that_of_the_library(memo):
     ours = furrow.grow(cell, lambda born: cell.replace(r0=born.r0), name="S", memo=memo)
     theirs = furrow.tree('(name: "S", founders: [(name: "S", r0: 2.6)])', dynamics=True, memo=memo)
     assert len(ours) == len(theirs) >= 3
-    # Which daughter is the smaller one is chance, and radii are the cube roots of other shares.
-    assert np.sort(ours.r0) == pytest.approx(np.sort(theirs.r0), rel=1e-12)
-    assert np.sort(ours.chi) == pytest.approx(np.sort(theirs.chi), rel=1e-6, nan_ok=True)
+    # Radii are the cube roots of other shares.
+    assert ours.names == theirs.names and ours.r0 == pytest.approx(theirs.r0, rel=1e-12)
+    for column in ("chi", "chi_signed"):
+        assert ours.cells[column] == pytest.approx(theirs.cells[column], rel=1e-6, nan_ok=True)
     assert ours["S"].chi == cell.divide(memo=memo).chi
+
+
+def test_the_side_of_the_smaller_daughter_is_drawn_for_every_cell(memo):
+    cell, told = furrow.Cell(2.2), {}
+
+    def like(born: furrow.NewCell) -> furrow.Cell | None:
+        told[born.name[:-1]] = born.division
+        return None
+
+    sides = {}
+    for seed in range(20):
+        ours = furrow.grow(cell, like, seed=seed, memo=memo)
+        theirs = furrow.tree('(name: "Z", founders: [(name: "Z", r0: 2.2)], limits: (max_depth: 1))', seed=seed, memo=memo)
+        sides[seed] = ours["Z"].chi_signed > 0
+        assert sides[seed] == (theirs["Z"].chi_signed > 0)
+        # The function is told of the division as it is in the tree.
+        assert told["Z"].chi_signed == ours["Z"].chi_signed and told["Z"].seed == seed
+        assert told["Z"].daughters == pytest.approx((ours["Zp"].r0, ours["Za"].r0))
+    assert 5 <= sum(sides.values()) <= 15
+
+
+def test_volumes_follow_the_radii_that_the_function_gives(memo):
+    grown = furrow.grow(furrow.Cell(2.4), lambda born: furrow.Cell(1.1 * born.r0), max_depth=2, memo=memo)
+    assert grown.cells["volume_fraction"] == pytest.approx((grown.r0 / grown.r0[0]) ** 3, rel=1e-12)
+    assert grown.cells["volume_fraction"][1:3] == pytest.approx([1.1**3 / 2] * 2, rel=1e-3)
+
+
+def test_only_functions_grow_trees():
+    with pytest.raises(furrow.InputError, match="must be a function"):
+        furrow.grow(furrow.Cell(2), None)
 
 
 def test_cells_get_what_the_function_gives_them(tmp_path, memo):
@@ -127,5 +157,6 @@ def test_type_checkers_see_every_parameter_of_a_cell():
     declared = text[text.index("if TYPE_CHECKING:\n        kappa") :].split("\n\n", 1)[0]
     kinds = {line.split(":")[0].strip(): line.split(":")[1].strip() for line in declared.splitlines()[1:]}
     values = furrow.Cell(2.0).parameters()
-    values.pop("cue")
+    for text in ("cue", "law", "shell_profile"):
+        values.pop(text)
     assert kinds == {name: type(value).__name__ for name, value in values.items()}

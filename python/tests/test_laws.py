@@ -65,3 +65,16 @@ def test_the_papers_law_as_text_bends_a_cell() -> None:
     own = furrow.Cell(2.0, law=PAPER, modes=2).divide()
     assert own.chi == pytest.approx(built_in.chi, abs=1e-8)
     assert own.t_end == pytest.approx(built_in.t_end, rel=1e-8)
+
+
+def test_a_cell_names_its_law() -> None:
+    own = furrow.Cell(2.0, law=PAPER, **{"law.a": 1.5})
+    assert own.parameters()["law.a"] == own.to_dict()["law.a"] == 1.5
+    assert own.parameters()["law"] == own.law
+    assert 'law="as text" (' in repr(own) and "a = 1.5" in repr(own)
+    plain = furrow.Cell(2.0)
+    assert plain.parameters()["law"] is None and "law" not in repr(plain)
+    assert furrow.Cell(**plain.parameters()) == plain
+    # The law can be replaced, too.
+    assert own.replace(law=None) == own.replace(law="paper") == plain
+    assert plain.replace(law=PAPER, **{"law.a": 1.5}) == own

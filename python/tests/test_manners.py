@@ -29,6 +29,9 @@ def test_no_parameter_takes_nonsense(name, value):
     if name == "contact" and value is True:
         assert furrow.Cell(2.0, contact=True).contact is True
         return
+    if name == "shell_profile" and value is None:
+        assert furrow.Cell(2.0, shell_profile=None).shell_profile is None
+        return
     with pytest.raises(furrow.InputError) as refused:
         furrow.Cell(**{"r0": 2.0, name: value})
     error = refused.value
@@ -124,6 +127,31 @@ def test_an_error_says_what_was_given_and_what_is_allowed():
         lambda: furrow.compare.volumes(voxel=-1),
         lambda: furrow.compare.counts(3),
         lambda: furrow.calibrate(None),
+        lambda: furrow.Memo(3),
+        lambda: furrow.Memo(r0_step="x"),
+        lambda: furrow.use_store(3),
+        lambda: furrow.Cell(2).divide(memo="cache"),
+        lambda: furrow.tree(memo="cache"),
+        lambda: furrow.Cell(2).phase("r0", 1, 2, xi_s=20),
+        lambda: furrow.Cell(2).phase("r0", 1, 2, xi_s=(5, 10, 15)),
+        lambda: furrow.Cell(2).branch("30"),
+        lambda: furrow.Cell(2).branch(True),
+        lambda: furrow.Cell(2).boundary("r0", 1.9, 2.0, folds="no"),
+        lambda: furrow.Cell(2, R0=3),
+        lambda: furrow.Cell(2, eps=0.8, epsilon=0.9),
+        lambda: furrow.Cell(2).replace(eps=0.8, epsilon=0.9),
+        lambda: furrow.fit.activity(range=4),
+        lambda: furrow.fit.activity(range=("a", "b")),
+        lambda: furrow.polarity(amplitude="x"),
+        lambda: furrow.polarity(par="k_ap=.25"),
+        lambda: furrow.solve("epsilon", chi=0.4, r0=2, range=3),
+        lambda: furrow.solve("eps", chi=0.4, r0=2, epsilon=0.8),
+        lambda: furrow.compare.volumes(bins=3),
+        lambda: furrow.compare.volumes({"embryo": ["1"], "cell": ["AB"], "volume": [1.0]}, unit=3),
+        lambda: furrow.tree(dynamics="no"),
+        lambda: furrow.scenarios(dynamics=1),
+        lambda: furrow.test({"mother": ["P0"], "chi": [0.1]}, ["none"], folded="no"),
+        lambda: furrow.test({"mother": ["P0"], "chi": [0.1]}, ["none"], shard=(1, 2, 3)),
     ],
 )
 def test_bad_arguments_are_refused(call):
@@ -250,7 +278,15 @@ def test_everything_can_be_pickled(tmp_path):
 def test_progress_is_told(memo):
     told = []
     furrow.sweep(axes={"r0": np.linspace(2.0, 3.0, 60)}, memo=memo, progress=lambda done, of: told.append((done, of)))
-    assert told and all(done <= of for done, of in told) and told[-1][1] == 60
+    assert all(0 <= done <= of and of > 0 for done, of in told) and told[-1] == (60, 60)
+    # So are runs that are too short to be told of while they last.
+    for short in (
+        lambda tell: furrow.Cell(2.2).divide(replicates=2, memo=memo, progress=tell),
+        lambda tell: furrow.tree('(name: "S", founders: [(name: "S", r0: 2.4)])', memo=memo, progress=tell),
+    ):
+        told.clear()
+        short(lambda done, of: told.append((done, of)))
+        assert told[-1][0] == told[-1][1] > 0
 
     def fail(done: int, of: int) -> None:
         raise RuntimeError("no more")
@@ -313,3 +349,20 @@ os._exit(0)
 def test_the_child_of_a_fork_computes_while_threads_of_the_parent_do():
     done = subprocess.run([sys.executable, "-W", "ignore", "-c", FORK], capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_messages_name_arguments():
+    table = {"embryo": ["1", "1"], "cell": ["AB", "P1"], "volume_um3": [14000.0, 9500.0]}
+    for call, reason in (
+        (lambda: furrow.Cell(2, elements=64), "elements = 64: must be given with modes above 0 alone: the solver"),
+        (lambda: furrow.compare.volumes(table, voxel=0.1), "furrow: voxel = (given): must be left out"),
+        (lambda: furrow.compare.volumes({**table, "mother": ["a", "b"]}, voxel={"3": 0.1}), "voxel"),
+        (lambda: furrow.test(table, ["none"], class_columns=["cell"]), "class_columns"),
+        (lambda: furrow.compare.lifetimes({"cell": ["AB"], "lifetime_min": [1.0]}, frame_minutes=2), "furrow: frame_minutes ="),
+        (lambda: furrow.Cell(2, law="nowhere.ron"), "nowhere.ron"),
+    ):
+        with pytest.raises(furrow.InputError) as refused:
+            call()
+        assert reason in str(refused.value) and "--" not in str(refused.value)
+    with pytest.raises(furrow.NoOutcome, match="set modes=0"):
+        furrow.Cell(2, modes=2, cue="regulator:none,turnover=10,diffusion=1,activity=0.3").divide()

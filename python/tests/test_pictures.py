@@ -112,3 +112,9 @@ def test_measured_volumes_and_outlines():
     half = division.frames[3].contour.points
     ring = np.concatenate((half, half[::-1] * [-1, 1]))
     assert "|A∩B|/|A| = 1.000" in texts(furrow.compare.contours([ring], division).plot())
+
+
+def test_a_cue_that_follows_polarity_is_drawn():
+    division = furrow.Cell(4, cue="kappa:par_band,amplitude=0.1").divide(frames=True)
+    (legend,) = division.plot().legends
+    assert [handle.get_label() for handle in legend.legend_handles] == ["cue raises rigidity κ"]

@@ -36,7 +36,7 @@ def test_an_egg_divides_unequally(tmp_path: Path) -> None:
     assert egg.divide().chi == pytest.approx(0.41129, abs=1e-4)
     assert pickle.loads(pickle.dumps(egg)) == egg
     assert egg.replace(epsilon=0.8).shell_profile == egg.shell_profile
-    assert egg.replace(shell_profile="ellipsoid").shell_profile is None
+    assert egg.replace(shell_profile="ellipsoid", aspect=1.3).shell_profile is None
 
 
 def test_frames_have_the_wall_of_the_profile(tmp_path: Path) -> None:
@@ -76,3 +76,35 @@ def test_wrong_tables_are_refused(tmp_path: Path) -> None:
         furrow.Cell(4.0, shell_profile=str(bad))
     with pytest.raises(furrow.InputError, match="the file of a table"):
         furrow.Cell(4.0, shell_profile="egg")
+
+
+def test_a_cell_names_its_shell(tmp_path: Path) -> None:
+    egg = furrow.Cell(2.0, shell_profile=Path(table(tmp_path, 0.2)))
+    assert egg == furrow.Cell(2.0).replace(shell_profile=table(tmp_path, 0.2))
+    assert egg.parameters()["shell_profile"] == egg.shell_profile and f"shell_profile={egg.shell_profile}" in repr(egg)
+    plain = furrow.Cell(2.0, shell_profile=None)
+    assert plain == furrow.Cell(2.0) and plain.parameters()["shell_profile"] is None
+    swept = furrow.sweep(axes={"shell_profile": ["ellipsoid", tmp_path / "egg0.2.csv"]}, r0=2.0)
+    assert swept["outcome"][0] == "asymmetric"
+
+
+def test_an_ellipsoid_that_keeps_the_aspect_of_a_table_says_so(tmp_path: Path) -> None:
+    egg = furrow.Cell(2.0).replace(shell_profile=table(tmp_path, 0.2))
+    assert egg.aspect != 1.505
+    with pytest.warns(UserWarning, match=f"keeps the aspect ratio of the profile, {egg.aspect:.6g}"):
+        assert egg.replace(shell_profile="ellipsoid").aspect == egg.aspect
+    assert egg.replace(shell_profile=None, aspect=1.505) == furrow.Cell(2.0)
+
+
+def test_computations_of_the_papers_shell_refuse_others(tmp_path: Path) -> None:
+    egg = table(tmp_path, 0.2)
+    data = Path(__file__).resolve().parents[2] / "data"
+    for call in (
+        lambda: furrow.explore(tmp_path / "page.html", shell_profile=egg),
+        lambda: furrow.reproduce("S3", shell_profile=egg),
+        lambda: furrow.calibrate(data / "thresholds.ron", shell_profile=egg),
+        lambda: furrow.ensemble(data / "statements.ron", 2, shell_profile=egg),
+        lambda: furrow.fit.constants(shell_profile=egg),
+    ):
+        with pytest.raises(furrow.InputError, match=r"^furrow: shell_profile = .*ellipsoid"):
+            call()

@@ -6,6 +6,7 @@ import json
 import math
 import pickle
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -149,3 +150,23 @@ def test_pictures_of_surfaces(divided, tmp_path):
 def test_what_surfaces_do_not_have_is_refused(call, said):
     with pytest.raises(furrow.InputError, match=said):
         call(furrow.Cell(2.5, **COARSE))
+
+
+def test_computations_with_axial_symmetry_refuse_modes(tmp_path):
+    data = Path(__file__).resolve().parents[2] / "data"
+    for call in (
+        lambda: furrow.polarity(modes=4),
+        lambda: furrow.calibrate(data / "thresholds.ron", modes=4),
+        lambda: furrow.ensemble(data / "statements.ron", 2, modes=4),
+        lambda: furrow.front(data / "statements.ron", 2, modes=4),
+        lambda: furrow.test({"mother": ["P0"], "chi": [0.1]}, ["none"], modes=4),
+        lambda: furrow.fit.activity(modes=4),
+        lambda: furrow.fit.cue(modes=4),
+        lambda: furrow.fit.constants(modes=4),
+        lambda: furrow.explore(tmp_path / "page.html", modes=4),
+        lambda: furrow.sweep(axes={"r0": [2]}, kind="pitchfork", modes=4),
+    ):
+        with pytest.raises(furrow.InputError, match="must be 0: only divisions") as refused:
+            call()
+        assert (refused.value.field, refused.value.value, refused.value.source) == ("modes", 4, "furrow")
+    assert not (tmp_path / "page.html").exists()

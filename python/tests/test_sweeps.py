@@ -63,3 +63,29 @@ def test_words_of_axes_are_written_as_they_are(memo):
         with pytest.raises(furrow.InputError, match=r"must be (a field|none, germline)") as refused:
             furrow.sweep(axes={"cue": [cue]}, memo=memo)
         assert refused.value.field.startswith("axes[0].list[0]")
+
+
+def test_sweeps_have_warnings(memo):
+    (size, necks) = furrow.sweep(axes={"r0": [9.0]}, memo=memo).warnings
+    assert size.startswith("R0 = 9 L_h is far from the sizes")
+    assert necks.startswith("1 of 1 divisions have a second neck that is nearly closed when the first one closes")
+    (undecided,) = furrow.sweep(axes={"t_max": [0.01, 100.0]}, r0=2.0, memo=memo).warnings
+    assert undecided.startswith("1 of 2 points are undecided, wholly or in part; the first has index 0: ")
+    assert furrow.sweep(axes={"r0": [2.0]}, memo=memo).warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "field"),
+    [
+        ({"axes": {"r0": [2]}, "r0": 3}, "r0"),
+        ({"axes": {"eps": [0.8]}, "r0": 2, "epsilon": 0.9}, "epsilon"),
+        ({"axes": {"cue": ["none"]}, "cue": "germline", "r0": 2}, "cue"),
+        ({"axes": {"r0": [2]}, "shard": (1, 2, 3)}, "shard"),
+        ({"axes": {"r0": [2]}, "shard": 3}, "shard"),
+        ({"axes": {"r0": np.array(2.0)}}, "axes['r0']"),
+    ],
+)
+def test_arguments_of_sweeps_are_checked(arguments, field):
+    with pytest.raises(furrow.InputError) as refused:
+        furrow.sweep(**arguments)
+    assert refused.value.field == field

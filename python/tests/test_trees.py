@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -212,3 +214,121 @@ def test_observed_counts_may_have_gaps(name):
     founders = {founder.name: founder for founder in furrow.tree(lineage, memo=furrow.Memo()).founders}
     seen = [founder.observed for founder in founders.values() if founder.observed is not None]
     assert seen and any(observed.mean is None or observed.terminal is None for observed in seen)
+
+
+def test_cues_by_name_are_scenarios_of_that_name(known):
+    cues = {"mine": "tension:gradient,amplitude=0.3", "plain": "none"}
+    found = furrow.scenarios(cues=cues, memo=known)
+    assert found.cues == cues
+    assert found["plain"] == furrow.tree(cue="none", memo=known)
+    # A tree has the names of its cues.
+    assert found["mine"].newick() == furrow.tree(cue=cues["mine"], memo=known).newick() != found["plain"].newick()
+    for bad in ({"a:b": "none"}, {3: "none"}, {"a": 3}, 3, "none"):
+        with pytest.raises(furrow.InputError) as refused:
+            furrow.scenarios(cues=bad)
+        assert refused.value.field == "cues"
+    with pytest.raises(furrow.InputError, match="at least one lineage"):
+        furrow.scenarios([])
+
+
+DOUBTFUL = """Lineage(name: "S", units: (length_um: 3.2), dies: ["Sx"], limits: (max_depth: 2), founders: [
+    (name: "S", r0: 13), (name: "A", mother: "S", daughter: larger, r0: 6.2),
+    (name: "B", mother: "S", daughter: smaller, r0: 5.5)],
+    physics_rules: [(parameter: "epsilon", value: 0.86), (parameter: "epsilon", value: 0.85)])"""
+
+
+def test_trees_have_the_warnings_of_the_command_line(cli, memo):
+    (cli.folder / "doubtful.ron").write_text(DOUBTFUL)
+    found = furrow.tree(cli.folder / "doubtful.ron", memo=memo).warnings
+    for doubt in (
+        'founder "S": r0 = 13 is in L_h (41.60 µm); if it is in µm, write r0: "13um"',
+        'founder "S": r0 = 13, but its daughters "A" (r0 = 6.2) and "B" (r0 = 5.5) have 0.18 times its volume together, at birth',
+        "physics_rules[1] never acts: physics_rules[0] comes first for epsilon and applies to all its cells",
+        'dies: the tree has no cell "Sx"',
+    ):
+        assert found.count(doubt) == 1
+    command = [str(cli.program), "tree", "doubtful.ron", "--no-cache", "--out", "out"]
+    theirs = subprocess.run(command, cwd=cli.folder, check=True, capture_output=True, text=True).stderr
+    said = [line.removeprefix(" WARN ").removeprefix("doubtful.ron: ") for line in theirs.splitlines() if " WARN " in line]
+    assert sorted(said) == sorted(found)
+
+
+def test_trees_doubt_sizes_cues_and_undecided_cells(memo):
+    small = '(name: "S", founders: [(name: "S", r0: 3)], limits: (max_depth: 1))'
+    assert furrow.tree(small, memo=memo).warnings == ()
+    (size,) = (doubt for doubt in furrow.tree(small.replace("3", "9"), memo=memo).warnings if "far from the sizes" in doubt)
+    assert size.startswith("R0 = 9 L_h")
+    (who,) = furrow.tree(small, cue="tension:gradient,amplitude=0.3", memo=memo).warnings
+    assert who.startswith("no founder of the lineage has a cue: tension:gradient,amplitude=0.3 is given to S")
+    for tree in (
+        furrow.tree(small, dynamics=True, t_max=0.01, memo=memo),
+        furrow.grow(furrow.Cell(3, t_max=0.01), lambda born: None, name="S", memo=memo),
+    ):
+        (undecided,) = tree.warnings
+        assert undecided.startswith("cell S (R0 = 3) is undecided, and its branch ends there: ")
+    with pytest.raises(furrow.InputError, match="30um"):
+        furrow.tree(r0=30)
+
+
+def test_every_call_says_that_its_store_cannot_be_used(tmp_path):
+    (tmp_path / "furrow.sqlite").mkdir()
+    memo, small = furrow.Memo(tmp_path), '(name: "S", founders: [(name: "S", r0: 2.4)])'
+    doses = {"dose": [0.5, 1.0], "larger_share": [0.55, 0.6]}
+    for epsilon in (0.86, 0.87):
+        warnings = furrow.tree(small, epsilon=epsilon, memo=memo).warnings
+        assert len(warnings) == 1 and "going on without storing" in warnings[0]
+        assert furrow.sweep(axes={"r0": [2.5]}, epsilon=epsilon, memo=memo).warnings == warnings
+        for call in (
+            lambda epsilon=epsilon: furrow.Cell(2.5, epsilon=epsilon).divide(memo=memo),
+            lambda epsilon=epsilon: furrow.compare.dose(doses, epsilon=epsilon, memo=memo),
+        ):
+            with pytest.warns(UserWarning, match="going on without storing") as told:
+                call()
+            assert len(told) == 1
+
+
+def test_branch_lengths_that_a_format_cannot_have_are_refused(worm):
+    for format, lengths in (("csv", "generation"), ("lineagetree", "none"), ("newick", "minute")):
+        with pytest.raises(furrow.InputError) as refused:
+            worm.export(format, lengths)
+        assert refused.value.field == "lengths" and "--" not in str(refused.value)
+    assert worm.export("csv").startswith("name,") and worm.export("newick") == worm.export("newick", "time")
+
+
+FULL_DISK = """
+import resource, signal, sys
+import furrow
+
+folder = sys.argv[1]
+tree = furrow.tree('(name: "S", founders: [(name: "S", r0: 2.4)])')
+several = furrow.scenarios(cues=["none", "germline"])
+spread = furrow.tree_ensemble('(name: "S", founders: [(name: "S", r0: 2.4)])', replicates=2)
+table = {"embryo": list("abcd"), "mother": ["P0"] * 4, "chi": [0.18, 0.17, 0.16, 0.15]}
+asked = {"free": ["cue.amplitude"], "particles": 2, "moves": 1, "samples": 20, "intervals": 32}
+tested = furrow.test(table, ["tension:gradient,amplitude=0.3"], noise="replicates", **asked)
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
+for save, name in (
+    (tree.save, "tree.json"), (tree.save, "tree.html"), (several.save, "several.html"), (several.save, "several.csv"),
+    (spread.save, "spread.html"), (tested.save_samples, "samples.csv"),
+    (lambda path: furrow.reproduce("S3", table=path), "table.md"),
+):
+    path = f"{folder}/{name}"
+    with open(path, "w") as file:
+        file.write("old")
+    try:
+        save(path)
+    except OSError:
+        pass
+    else:
+        raise AssertionError(f"{name} was written")
+    with open(path) as file:
+        assert file.read() == "old", name
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no such limit there")
+def test_a_file_that_cannot_be_written_stays_as_it_was(tmp_path):
+    done = subprocess.run([sys.executable, "-c", FULL_DISK, str(tmp_path)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert len(list(tmp_path.iterdir())) == 7

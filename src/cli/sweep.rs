@@ -1,6 +1,6 @@
 //! `furrow sweep`: many divisions, trees, pitchforks or critical radii.
 
-use super::cell::{AxisArgs, warn_of_regulator, warn_of_size};
+use super::cell::AxisArgs;
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
@@ -8,14 +8,12 @@ use super::messages;
 use super::output::{filled, print_as, writable_folder};
 use super::picture::PlotArgs;
 use super::progress::ProgressLine;
-use super::tree::tell_who_gets;
 use clap::Args;
 use furrow_analysis::sweep_files::{SWEEP_FILES, SweepTable};
-use furrow_analysis::{AxisValue, Kind, Run, Shard, Sweep, SweepProgress, Target};
+use furrow_analysis::{Kind, Run, Shard, Sweep, SweepProgress};
 use furrow_cell::settings::{Overrides, Settings};
 use furrow_figures::plot;
 use furrow_formats::files::WriteError;
-use furrow_lineage::Length;
 use furrow_lineage::batch::Summary;
 use serde_json::json;
 use std::path::PathBuf;
@@ -52,17 +50,11 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     if !matches!(sweep.kind, Kind::Division | Kind::Tree | Kind::Critical) {
         sweep.settings.check_axisymmetric("settings")?;
     }
-    messages::warn_of(sweep.lineage.doubts());
     if sweep.kind == Kind::Tree {
         context.check_taken(&[&sweep.lineage], [])?;
     }
-    warn_of_size(&sweep.lineage.units(), radii(&sweep));
-    if sweep.sets_cues_of_trees() {
-        tell_who_gets("the cue", &sweep.lineage, &sweep.settings.cell, "");
-    }
-    if sweep.kind != Kind::Tree {
-        warn_of_regulator(&sweep.point(0).input.cell);
-    }
+    messages::warn_of(sweep.doubts());
+    messages::warn_of(sweep.lacks_regulator().map(|doubt| format!("--cue: {doubt}")));
     writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
     let picture = args.plot.file()?;
     let memo = context.memo()?;
@@ -80,12 +72,7 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
         return Err(CliError::Interrupted);
     }
     let undecided = found.undecided().count();
-    if let Some(first) = found.undecided().next() {
-        let (of, index, why) = (found.rows.len(), first.index, first.why.as_deref().unwrap_or_default());
-        messages::warning!(
-            "{undecided} of {of} points are undecided, wholly or in part; the first has index {index}: {why}"
-        );
-    }
+    messages::warn_of(found.undecided_points());
     let table = SweepTable::new(&sweep, quantisation, shard, std::mem::take(&mut found.rows));
     interrupt::defer(|| {
         table.write(&args.out)?;
@@ -106,14 +93,5 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
         let open = if undecided > 0 { format!(", {undecided} undecided") } else { String::new() };
         let counts = format!("{points} points{part}: {solved} solved, {memo_hits} reused{resumed}{open}");
         format!("{counts}, {elapsed_s:.2} s; files in {out}\n")
-    })
-}
-
-/// The radii of an axis, in L_h.
-fn radii(sweep: &Sweep) -> impl Iterator<Item = Length> {
-    let axes = sweep.axes.0.iter().filter(|axis| axis.target == Target::Field("r0"));
-    axes.flat_map(|axis| &axis.values).filter_map(|value| match value {
-        AxisValue::Number(r0) => Some(Length::Natural(*r0)),
-        AxisValue::Text(_) => None,
     })
 }

@@ -1,6 +1,6 @@
 //! `furrow tree`: one lineage, or several lineages and cues side by side.
 
-use super::cell::{AxisArgs, FirstCellArgs, load_lineage, one_of, warn_of_size};
+use super::cell::{AxisArgs, FirstCellArgs, load_lineage, one_of};
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
@@ -15,12 +15,11 @@ use furrow_cell::{Cell, Cue, CueError};
 use furrow_figures::plot::rounds;
 use furrow_formats::files::FileSet;
 use furrow_formats::{Provenance, founder_rows, newick, tree_to_json};
-use furrow_input::{InputError, rounded_number};
+use furrow_input::InputError;
 use furrow_lineage::batch::{Memo, Summary, scheduler::workers};
 use furrow_lineage::clock::alive;
-use furrow_lineage::definition::matches;
 use furrow_lineage::units::{MOST_PLAIN, plain_radius};
-use furrow_lineage::{Length, Lineage, TerminalReason, Tree, TreeSettings};
+use furrow_lineage::{Length, Lineage, Tree, TreeSettings};
 use furrow_mechanics::equilibria::ShapeError;
 use furrow_report::{self as report, TimeAxis};
 use serde_json::{Value, json};
@@ -76,9 +75,6 @@ const TREE_FILES: [&str; 5] = ["tree.nwk", "tree.json", "tree.svg", "report.html
 
 /// With `--replicates`: the ranges over the seeds.
 const SPREAD_FILE: &str = "spread.csv";
-
-/// Largest number of undecided cells with a separate warning.
-const MOST_WARNINGS: usize = 5;
 
 /// The files of one scenario, in a folder of its name.
 const SCENARIO_FILES: [&str; 3] = ["tree.nwk", "tree.json", "tree.svg"];
@@ -294,10 +290,7 @@ pub fn prepared(
     if let (Some(Length::Natural(r0)), true) = (cell.r0, given.cell.r0 > MOST_PLAIN) {
         return Err(InputError::not_allowed("--r0", "r0", r0, plain_radius(r0)).into());
     }
-    if lineage.doubtful_radii().is_empty() {
-        let of_lineage = lineage.founders[lineage.first()].r0;
-        warn_of_size(&lineage.units(), [cell.r0.or(of_lineage).unwrap_or(Length::Natural(given.cell.r0))]);
-    }
+    messages::warn_of(lineage.first_size_doubt(cell.r0, given.cell.r0));
     let settings = tree_settings(given, &lineage, seed, context.quantisation);
     let named = file.map_or(lineage.name.clone(), |file| file.display().to_string());
     lineage.check_physics(&settings.cell, &settings.numerics, &named)?;
@@ -305,23 +298,9 @@ pub fn prepared(
 }
 
 /// Prints which founders get a cue in a lineage without cues.
-pub fn tell_who_gets(text: &str, lineage: &Lineage, cell: &Cell, label: &str) {
-    let is_none = text == "none" || text.ends_with("=none");
-    if is_none || !lineage.is_without_cues() {
-        return;
-    }
-    let line = lineage.smaller_line();
-    let names: Vec<&str> = line.iter().map(|&founder| lineage.founders[founder].name.as_str()).collect();
+fn tell_who_gets(text: &str, lineage: &Lineage, cell: &Cell, label: &str) {
     let place = if label.is_empty() { String::new() } else { format!("{label}: ") };
-    let others = if cell.law_reads_regulator() {
-        "; the others have its regulator, without a source that tells one pole from the other"
-    } else {
-        ""
-    };
-    messages::warning!(
-        "{place}no founder of the lineage has a cue: {text} is given to {}, and to descendants up to the next founder{others}",
-        names.join(", ")
-    );
+    messages::warn_of(lineage.who_gets(text, cell).map(|doubt| format!("{place}{doubt}")));
 }
 
 /// The error for an invalid `--cue`.
@@ -354,11 +333,8 @@ pub fn grown(
     messages::warn_of(grown.summary.described());
     warn_of_searches(&grown.unknown);
     for (tree, scenario) in grown.trees.iter().zip(scenarios) {
-        warn_of_undecided(tree, &scenario.name);
-        warn_of_unborn(tree);
         let place = if scenario.name.is_empty() { String::new() } else { format!("{}: ", scenario.name) };
-        messages::warn_of(tree.lacks_regulator().map(|doubt| format!("{place}{doubt}")));
-        warn_of_origin(tree, &scenario.name);
+        messages::warn_of(tree.doubts().into_iter().map(|doubt| format!("{place}{doubt}")));
     }
     Ok((grown, spread))
 }
@@ -372,49 +348,7 @@ fn warn_of_rules(scenario: &Scenario, is_replaced: bool) {
     messages::warn_of(scenario.lineage.rules_without_cue().into_iter().map(|doubt| format!("{place}{doubt}")));
 }
 
-/// Warns of cells that die according to the lineage file but do not exist in the tree.
-fn warn_of_unborn(tree: &Tree) {
-    let born = |pattern: &&String| tree.cells().any(|id| matches(pattern, &tree.cell(id).name));
-    for pattern in tree.lineage.dies.iter().filter(|pattern| !born(pattern)) {
-        messages::warning!("dies: the tree has no cell {pattern:?}");
-    }
-}
-
-/// Warns of undecided cells. Their branches end there; the rest of the tree is valid.
-fn warn_of_undecided(tree: &Tree, scenario: &str) {
-    let place = if scenario.is_empty() { String::new() } else { format!("{scenario}: ") };
-    let undecided = tree.cells().map(|id| tree.cell(id)).filter_map(|cell| match cell.fate.terminal_reason() {
-        Some(TerminalReason::Undecided { why }) => Some((cell, why)),
-        _ => None,
-    });
-    for (k, (cell, why)) in undecided.enumerate() {
-        if k == MOST_WARNINGS {
-            messages::warning!("{place}further cells are undecided: see tree.json");
-            return;
-        }
-        messages::warning!(
-            "{place}cell {} (R0 = {}) is undecided, and its branch ends there: {why}",
-            cell.name,
-            rounded_number(cell.r0, 7)
-        );
-    }
-}
-
-/// Warns if the event that is the origin of the clock does not occur in the tree, unless the tree has only one cell.
-fn warn_of_origin(tree: &Tree, scenario: &str) {
-    let place = if scenario.is_empty() { String::new() } else { format!("{scenario}: ") };
-    let wanted = tree.lineage.clock.as_ref().and_then(|clock| clock.origin.as_ref());
-    if let (Some(wanted), Some(origin)) = (wanted, tree.time_origin())
-        && *wanted != origin
-        && tree.len() > 1
-    {
-        messages::warning!(
-            "{place}the {wanted}, minute 0 of the clock, does not take place: minutes are from the {origin}"
-        );
-    }
-}
-
-/// Logs cues without a critical radius. One warning lists the cues with an abandoned search.
+/// Logs cues without a critical radius. One warning lists the cues whose search was abandoned.
 fn warn_of_searches(unknown: &[(Cue, ShapeError)]) {
     for (cue, error) in unknown {
         messages::write(

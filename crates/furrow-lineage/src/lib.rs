@@ -13,12 +13,14 @@
 //! | [`priority`] | the order in which divisions are solved |
 //! | [`tree`] | the grown tree |
 //! | [`rounds`] | rounds of division per founder |
+//! | `doubts` | what is doubtful about the first cell and about a grown tree |
 
 pub mod batch;
 mod check;
 mod clash;
 pub mod clock;
 pub mod definition;
+mod doubts;
 mod fits;
 pub mod founder;
 mod given_sizes;

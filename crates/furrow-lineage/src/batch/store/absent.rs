@@ -22,6 +22,11 @@ impl Store {
         match *self {}
     }
 
+    /// Why the store is no longer used.
+    pub fn given_up(&self) -> Option<StoreWarning> {
+        match *self {}
+    }
+
     pub(in crate::batch) fn take_warnings(&self) -> Vec<StoreWarning> {
         match *self {}
     }

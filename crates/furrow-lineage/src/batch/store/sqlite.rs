@@ -67,6 +67,8 @@ struct Inner {
     /// Damaged rows that have not been reported yet.
     unnamed: usize,
     warnings: Vec<StoreWarning>,
+    /// The last of them that says that the store is no longer used.
+    given_up: Option<StoreWarning>,
 }
 
 /// The reason why a store cannot be used.
@@ -139,6 +141,11 @@ impl Store {
         self.lock().map_or(0, |inner| inner.damaged.len())
     }
 
+    /// Why the store is no longer read or written, if it is not: also where [`take_warnings`](Self::take_warnings) has said so.
+    pub fn given_up(&self) -> Option<StoreWarning> {
+        self.lock()?.given_up.clone()
+    }
+
     /// The warnings since the last call.
     pub fn take_warnings(&self) -> Vec<StoreWarning> {
         let Some(mut inner) = self.lock() else { return Vec::new() };
@@ -206,7 +213,9 @@ impl Store {
             other => other.to_string(),
         };
         inner.unwritable = true;
-        inner.warnings.push(StoreWarning::GivenUp { access, file: self.file.clone(), reason });
+        let warning = StoreWarning::GivenUp { access, file: self.file.clone(), reason };
+        inner.given_up = Some(warning.clone());
+        inner.warnings.push(warning);
     }
 
     /// `None` in a process that was forked from the one that opened the store.

@@ -1,0 +1,80 @@
+//! What is doubtful about a lineage's first cell and about a grown tree: a sentence for each.
+
+use super::definition::{Lineage, matches};
+use super::tree::{TerminalReason, Tree, TreeCell};
+use super::units::{Length, size_doubt};
+use furrow_cell::Cell;
+use furrow_input::rounded_number;
+
+/// Largest number of undecided cells with a sentence of their own.
+const MOST_UNDECIDED: usize = 5;
+
+impl Lineage {
+    /// The doubt about the size of the first cell, whose radius may be given in place of the lineage's; `of_run` is the radius, in L_h, that
+    /// it has without either. Where [radii of the file](Self::doubtful_radii) are doubtful, these say it.
+    pub fn first_size_doubt(&self, given: Option<Length>, of_run: f64) -> Option<String> {
+        if !self.doubtful_radii().is_empty() {
+            return None;
+        }
+        let of_lineage = self.founders[self.first()].r0;
+        size_doubt(given.or(of_lineage).unwrap_or(Length::Natural(of_run)), &self.units())
+    }
+
+    /// Says which founders get a cue, as users write it, in a lineage without cues; `cell` has the law of all cells.
+    pub fn who_gets(&self, cue: &str, cell: &Cell) -> Option<String> {
+        let is_none = cue == "none" || cue.ends_with("=none");
+        if is_none || !self.is_without_cues() {
+            return None;
+        }
+        let names: Vec<&str> =
+            self.smaller_line().iter().map(|&founder| self.founders[founder].name.as_str()).collect();
+        let others = if cell.law_reads_regulator() {
+            "; the others have its regulator, without a source that tells one pole from the other"
+        } else {
+            ""
+        };
+        Some(format!(
+            "no founder of the lineage has a cue: {cue} is given to {}, and to descendants up to the next founder{others}",
+            names.join(", ")
+        ))
+    }
+}
+
+impl Tree {
+    /// Doubts about the tree: cells that are undecided, cells that die according to the lineage but are not born, a law that names
+    /// a regulator which cells lack, and an origin of the clock that does not take place.
+    pub fn doubts(&self) -> Vec<String> {
+        let mut doubts = self.undecided();
+        let born = |pattern: &&String| self.cells().any(|id| matches(pattern, &self.cell(id).name));
+        let unborn = self.lineage.dies.iter().filter(|pattern| !born(pattern));
+        doubts.extend(unborn.map(|pattern| format!("dies: the tree has no cell {pattern:?}")));
+        doubts.extend(self.lacks_regulator());
+        doubts.extend(self.other_origin());
+        doubts
+    }
+
+    /// The undecided cells. Their branches end there; the rest of the tree is valid.
+    fn undecided(&self) -> Vec<String> {
+        let undecided = self.cells().map(|id| self.cell(id)).filter_map(|cell| match cell.fate.terminal_reason() {
+            Some(TerminalReason::Undecided { why }) => Some((cell, why)),
+            _ => None,
+        });
+        let sentence = |(cell, why): (&TreeCell, &String)| {
+            let (name, r0) = (&cell.name, rounded_number(cell.r0, 7));
+            format!("cell {name} (R0 = {r0}) is undecided, and its branch ends there: {why}")
+        };
+        let mut sentences: Vec<String> = undecided.take(MOST_UNDECIDED + 1).map(sentence).collect();
+        if sentences.len() > MOST_UNDECIDED {
+            sentences[MOST_UNDECIDED] = "further cells are undecided: see tree.json".to_owned();
+        }
+        sentences
+    }
+
+    /// Says that the event at minute 0 of the clock does not take place, unless the tree has only one cell.
+    fn other_origin(&self) -> Option<String> {
+        let wanted = self.lineage.clock.as_ref()?.origin.as_ref()?;
+        let origin = self.time_origin()?;
+        (*wanted != origin && self.len() > 1)
+            .then(|| format!("the {wanted}, minute 0 of the clock, does not take place: minutes are from the {origin}"))
+    }
+}
