@@ -68,7 +68,7 @@ def test_words_of_axes_are_written_as_they_are(memo):
 def test_sweeps_have_warnings(memo):
     (size, necks) = furrow.sweep(axes={"r0": [9.0]}, memo=memo).warnings
     assert size.startswith("R0 = 9 L_h is far from the sizes")
-    assert necks.startswith("1 of 1 divisions have a second neck that is nearly closed when the first one closes")
+    assert necks.startswith("1 division has a second neck that is nearly closed when the first one closes")
     (undecided,) = furrow.sweep(axes={"t_max": [0.01, 100.0]}, r0=2.0, memo=memo).warnings
     assert undecided.startswith("1 of 2 points are undecided, wholly or in part; the first has index 0: ")
     assert furrow.sweep(axes={"r0": [2.0]}, memo=memo).warnings == ()

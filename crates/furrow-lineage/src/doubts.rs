@@ -53,6 +53,12 @@ impl Tree {
         doubts
     }
 
+    /// The number of divisions with a second neck.
+    pub(crate) fn three_parts(&self) -> usize {
+        let divisions = self.cells().filter_map(|id| self.cell(id).fate.division());
+        divisions.filter(|division| division.second_neck.is_some()).count()
+    }
+
     /// The undecided cells. Their branches end there; the rest of the tree is valid.
     fn undecided(&self) -> Vec<String> {
         let undecided = self.cells().map(|id| self.cell(id)).filter_map(|cell| match cell.fate.terminal_reason() {

@@ -194,7 +194,10 @@ fn grow_all(
     let trees = growers.len();
     let summary = completed(run, |id, why| all.trees[id % trees].note_undecided(id / trees, why))?;
     let trees: Result<Vec<Tree>, GrowError> = all.trees.into_iter().map(|growth| growth.lay_out(solve)).collect();
-    Ok((trees?, summary))
+    let trees = trees?;
+    // The run has divisions, too, of cells beyond the largest number, and these depend on the order of its jobs.
+    let three_parts = trees.iter().map(Tree::three_parts).sum();
+    Ok((trees, Summary { three_parts, ..summary }))
 }
 
 /// Trees that grow in one run. The scheduler's number of a job encodes the cell and its tree.

@@ -116,11 +116,14 @@ impl Summary {
 
     /// Warnings of the run and of its divisions.
     pub fn described(&self) -> impl Iterator<Item = String> {
+        let count = match self.three_parts {
+            1 => "1 division has".to_owned(),
+            count => format!("{count} divisions have"),
+        };
         let three_parts = (self.three_parts > 0).then(|| {
             format!(
-                "{} of {} divisions have a second neck that is nearly closed when the first one closes: the cell falls into \
-                 three parts, and χ and the daughters are those of the first neck (divide shows both)",
-                self.three_parts, self.jobs
+                "{count} a second neck that is nearly closed when the first one closes: the cell falls into three parts, and χ and the \
+                 daughters are those of the first neck (divide shows both)"
             )
         });
         self.warnings.iter().map(StoreWarning::to_string).chain(three_parts)
