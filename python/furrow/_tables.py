@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Table: TypeAlias = Union[str, "os.PathLike[str]", Sequence[Union[str, "os.PathLike[str]"]], Mapping[str, Any], "pd.DataFrame"]
 
 
-#: What a table may be.
+#: The allowed kinds of tables.
 TABLES = "a file, several files, a DataFrame or columns by name"
 
 

@@ -31,7 +31,7 @@ pub(crate) struct Functions<'a, 'py> {
     interrupt: Interrupt,
 }
 
-/// How far a number is moved, by its size and that of its like.
+/// The step of a difference, from the value and the size of its component.
 fn step(size: f64, value: f64) -> f64 {
     STEP * (size + value.abs())
 }
@@ -46,7 +46,7 @@ fn size_of<'v>(values: impl Iterator<Item = &'v f64>) -> f64 {
 type Sides = (f64, [Vec<f64>; 2]);
 
 /// Values at the usual distance and, if some of them are not finite, at a nearer one, for functions that are not defined there, as y^(2/3)
-/// left of 0. `at` computes them from a function that moves a number, and `size` is that of its like.
+/// left of 0. `at` computes them from a function that moves a number; `size` is the size of its component.
 fn sides(size: f64, mut at: impl FnMut(&dyn Fn(f64) -> f64) -> Vec<f64>) -> Vec<Sides> {
     let mut tried = Vec::new();
     for size in [size, 0.0] {

@@ -144,7 +144,7 @@ impl Named {
     }
 }
 
-/// Whether a name is that of the table of a shell.
+/// Whether a name denotes the table of a shell.
 fn is_shell_profile(name: &str) -> bool {
     settings::canonical_name(name) == Ok(SHELL_PROFILE)
 }

@@ -55,10 +55,10 @@ fn empty(store: Option<&Path>, quantisation: Quantisation) -> Result<Solved, Err
 }
 
 impl Memo {
-    /// What a call found, after a warning if the store is not used.
+    /// The result of a call, after a warning if the store is not used.
     ///
     /// # Errors
-    /// Those of the call, and a warning that Python makes an error.
+    /// The error of the call, or a warning that Python turns into an error.
     pub fn warned<T>(&self, py: Python<'_>, found: Result<T, Error>) -> Result<T, Error> {
         let found = found?;
         warn_of_store(py, &*self.solved()?)?;

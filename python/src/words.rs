@@ -1,10 +1,10 @@
-//! Messages of the library in the words of Python: options of the command line are arguments.
+//! Translates messages of the library for Python: options of the command line become arguments.
 
 use furrow_input::InputError;
 
 use crate::errors::ARGUMENTS;
 
-/// Phrases about the command line, and what they are of Python. Other options are the arguments of their name.
+/// Phrases about the command line, and their replacements in Python. All other options become arguments of the same name.
 const PHRASES: [(&str, &str); 10] = [
     (" (--three-dimensional)", ""),
     ("compute it with --three-dimensional", "compute it with modes=4"),
@@ -18,7 +18,7 @@ const PHRASES: [(&str, &str); 10] = [
     ("options --lineage and --tree take it", "lineage= takes it"),
 ];
 
-/// Options whose arguments have other names.
+/// Options that have another name as arguments.
 const RENAMED: [(&str, &str); 2] = [("class", "class_columns"), ("branch-lengths", "lengths")];
 
 /// The argument of an option, which is given without its hyphens.

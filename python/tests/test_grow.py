@@ -37,7 +37,7 @@ def test_the_side_of_the_smaller_daughter_is_drawn_for_every_cell(memo):
         theirs = furrow.tree('(name: "Z", founders: [(name: "Z", r0: 2.2)], limits: (max_depth: 1))', seed=seed, memo=memo)
         sides[seed] = ours["Z"].chi_signed > 0
         assert sides[seed] == (theirs["Z"].chi_signed > 0)
-        # The function is told of the division as it is in the tree.
+        # The function sees the same division as the tree.
         assert told["Z"].chi_signed == ours["Z"].chi_signed and told["Z"].seed == seed
         assert told["Z"].daughters == pytest.approx((ours["Zp"].r0, ours["Za"].r0))
     assert 5 <= sum(sides.values()) <= 15

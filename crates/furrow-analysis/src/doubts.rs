@@ -1,4 +1,4 @@
-//! What is doubtful about a sweep and about its results: a sentence for each.
+//! Warnings about a sweep and its results, one sentence each.
 
 use super::points::{AxisValue, Target};
 use super::run::SweepResult;

@@ -6,7 +6,7 @@
 //! | [`points`], [`sample`] | axes, the points that they span, and values that fill an interval evenly |
 //! | [`shard`] | the part of the points that one machine solves |
 //! | [`run`], [`journal`], [`table`] | solving the points, resuming after an interruption; rows as CSV and as JSON lines |
-//! | `doubts` | what is doubtful about a sweep and its results |
+//! | `doubts` | warnings about a sweep and its results |
 //! | [`scenarios`], [`growth`] | lineages and cues side by side, and their trees |
 //! | [`mod@diagram`] | the stationary shapes of one cell over ξ_s |
 //! | [`constraints`] | whether constants agree with the published statements |

@@ -1,4 +1,4 @@
-//! What is doubtful about a lineage's first cell and about a grown tree: a sentence for each.
+//! Warnings about a lineage's first cell and about a grown tree, one sentence each.
 
 use super::definition::{Lineage, matches};
 use super::tree::{TerminalReason, Tree, TreeCell};
@@ -10,8 +10,8 @@ use furrow_input::rounded_number;
 const MOST_UNDECIDED: usize = 5;
 
 impl Lineage {
-    /// The doubt about the size of the first cell, whose radius may be given in place of the lineage's; `of_run` is the radius, in L_h, that
-    /// it has without either. Where [radii of the file](Self::doubtful_radii) are doubtful, these say it.
+    /// A warning about the size of the first cell. `given` is a radius that replaces the lineage's; `of_run` is the default radius, in L_h.
+    /// There is no warning if the file's [radii](Self::doubtful_radii) have their own.
     pub fn first_size_doubt(&self, given: Option<Length>, of_run: f64) -> Option<String> {
         if !self.doubtful_radii().is_empty() {
             return None;

@@ -13,7 +13,7 @@
 //! | [`priority`] | the order in which divisions are solved |
 //! | [`tree`] | the grown tree |
 //! | [`rounds`] | rounds of division per founder |
-//! | `doubts` | what is doubtful about the first cell and about a grown tree |
+//! | `doubts` | warnings about the first cell and a grown tree |
 
 pub mod batch;
 mod check;

@@ -149,7 +149,7 @@ pub(crate) fn division<'r>(
     Ok((mother, division))
 }
 
-/// What the error of χ is.
+/// The name of the error of χ in messages.
 const SD: &str = "a standard deviation of χ";
 
 /// Two values of χ of one division may differ by rounding alone.

@@ -117,7 +117,7 @@ const EMBRYO: [&[&str]; 4] = [
 /// Names of other columns by which rows may be of different embryos or groups.
 const OTHERS: [&str; 9] = ["date", "movie", "recording", "experiment", "session", "batch", "slide", "dish", "litter"];
 
-/// Columns beside those of embryo and group that rows of one embryo have in common.
+/// Further columns in which all rows of an embryo must have the same value.
 #[derive(Default)]
 pub(crate) struct Common {
     columns: Vec<usize>,

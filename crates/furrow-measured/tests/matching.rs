@@ -105,8 +105,8 @@ fn cells_below_a_root_are_matched_by_size_then_descendants_then_order() {
         let chi = matched.divisions[0].chi.unwrap();
         assert!((chi - (729.0 - 216.0) / (729.0 + 216.0)).abs() < 1e-12, "{chi}");
     }
-    // The daughters of the egg are nearly equal, and only the smaller one, ID3, divides, twice: so does the founder animal, of which the
-    // lineage lists daughters.
+    // The daughters of the egg are nearly equal, and only the smaller one, ID3, divides, twice: as does the founder animal, whose
+    // daughters the lineage lists.
     let text = "LABEL,ID,FRAME,RADIUS\nID11,11,9,2\nID12,12,9,2\nID14,14,9,9.1\n";
     let spots = SPOTS.replace("ID4,4,2,6", "ID4,4,2,9.1") + &text[text.find("ID11").unwrap()..];
     files.write("e_spots.csv", &spots.replace("ID7,7,4,3\nID8,8,5,4\nID10,10,6,4\n", ""));
@@ -190,7 +190,7 @@ fn cut(end: u32, is_turned: bool) -> (String, Vec<String>) {
     (lines.concat(), rows.iter().map(|(cell, ..)| (*cell).to_owned()).collect())
 }
 
-/// The recording has no sizes. A founder gets her own name or none, whatever the order of the tracks.
+/// The recording has no sizes. No founder gets a wrong name, in either order of the tracks.
 #[test]
 fn founders_in_sulstons_chart_cut_at_any_minute_get_no_wrong_names() {
     let files = Files::new();

@@ -273,7 +273,7 @@ pub fn solve(
     run.solve(guess.clone())
 }
 
-/// A solution whose defect is small enough.
+/// What follows from a defect below the tolerance.
 enum Accepted {
     Solved(Box<Solved>),
     /// To be solved with a smaller defect.
@@ -537,8 +537,8 @@ impl Run<'_> {
         }
     }
 
-    /// A solution to which few steps of Newton's method on each of some meshes lead from the guess: the mesh follows iterates that have not
-    /// converged. `None` if there is none within the limit of intervals.
+    /// Takes a few steps of Newton's method from the guess on each of several meshes, which are refined although the iterates have not
+    /// converged. `None` if no iterate converges within the limit of intervals.
     fn carried(&mut self) -> Option<Solution> {
         let mut y = self.guess.clone();
         self.scratch.insists = true;

@@ -50,7 +50,7 @@ struct Heading {
     index: usize,
     /// Columns up to the last one with a name.
     named: usize,
-    /// Columns are found by their names, which must be those of all rows.
+    /// Columns are found by their names, so that a second heading is an error.
     is_only: bool,
 }
 
@@ -103,7 +103,7 @@ impl<'t> Row<'t> {
         self.len() >= 2 && self.len() == self.heading.names.len()
     }
 
-    /// Whether it names columns as a heading does, and other ones than the table's: a field repeats its column's name, and none is a number.
+    /// Whether the row is a second, different heading: a field repeats its column's name, and no field is a number.
     fn is_other_heading(&self) -> bool {
         let names = &self.heading.names;
         let is_name = |(field, name): (&[u8], &String)| text(field.trim_ascii()).eq_ignore_ascii_case(name);

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `map` | tables that give tracked cells their names |
 //! | `topology` | the cells below a root: which daughter is which |
-//! | `order` | which of two sisters divides first |
+//! | `order` | known orders of sisters' divisions |
 //! | `report` | how cells were matched, as data and as text |
 //!
 //! A table names single cells. A root is a tracked cell with a name; the cells below it get theirs by their divisions: of two daughters

@@ -1,4 +1,4 @@
-//! Which of two sisters divides first, by what is known of the lifetimes of the lineage's cells.
+//! Known lifetimes determine which of two sisters divides first.
 
 use std::collections::HashMap;
 

@@ -161,7 +161,7 @@ impl<'a> Search<'a> {
         format!("{} ({count} descendants)", self.handle(first))
     }
 
-    /// A text that stands for this cell only: its name, or else a name or id of one of its spots.
+    /// A unique name of a cell: its own name, or the name or id of one of its spots.
     fn handle(&self, cell: usize) -> &str {
         let embryo = self.embryo;
         let is_own = |text: &str| embryo.place_of(text) == Place::Cell(cell);

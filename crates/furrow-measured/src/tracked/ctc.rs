@@ -21,7 +21,7 @@ use crate::volumes::Unit;
 /// Where a folder of images and tracks has its tracks.
 pub(super) const IN_FOLDER: [&str; 4] = ["man_track.txt", "res_track.txt", "TRA/man_track.txt", "TRA/res_track.txt"];
 
-/// What a line of such a file is.
+/// The format of a line.
 pub(super) const LINE: &str = "four whole numbers: label, first and last frame, mother or 0";
 
 /// Whether a file is called as such a file.

@@ -1,6 +1,6 @@
 //! Links that contradict names, and the births of sisters.
 //!
-//! Names of the lineage's cells say who is whose mother. Where links say otherwise, names are used and the links are reported.
+//! The names of the lineage's cells determine their mothers. Links that contradict the names are dropped and reported.
 
 use std::collections::{HashMap, HashSet};
 

@@ -70,7 +70,7 @@ pub(super) fn is_of_links(path: &Path) -> bool {
     spots.any(|other| other != path && other.is_file())
 }
 
-/// The name of a file with another word in place of the last one of these; `None` if it has none.
+/// The name of a file with the last occurrence of a word replaced; `None` if the word does not occur.
 fn renamed(path: &Path, word: &str, other: &str) -> Option<String> {
     let name = path.file_name()?.to_string_lossy();
     let at = name.rfind(word)?;
@@ -235,7 +235,7 @@ struct Ids {
 #[derive(Default)]
 struct Times {
     minutes: Vec<f64>,
-    /// Whether a spot has none, although there is a column.
+    /// Whether the column of times is empty for some spot.
     has_gaps: bool,
 }
 

@@ -36,7 +36,7 @@ fn store(cache: &TempDir) -> Store {
 fn gave_up(store: &Store, what: &str) -> String {
     let warnings = store.take_warnings();
     assert!(matches!(&warnings[..], [StoreWarning::GivenUp { access, .. }] if *access == what), "{warnings:?}");
-    // It stays so, whoever asks.
+    // The store warns once, but keeps the reason.
     assert_eq!((store.take_warnings(), store.given_up().as_ref()), (vec![], warnings.first()));
     warnings[0].to_string()
 }

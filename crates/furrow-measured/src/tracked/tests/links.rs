@@ -93,7 +93,7 @@ fn names_come_before_links_that_contradict_them() {
     assert_eq!(lineage.terminal(&names), 4);
 }
 
-/// A daughter whose name skips a generation is none, and the cell that she came from was not seen to divide.
+/// A name that skips a generation is no daughter, and the cell before it was not seen to divide.
 #[test]
 fn a_grandmother_is_no_mother() {
     let lineage = named(&table(&[(1, None, 1, "AB"), (2, Some(1), 2, "ABal"), (3, Some(1), 2, "ABar")]));
@@ -105,7 +105,7 @@ fn a_grandmother_is_no_mother() {
     assert_eq!((lineage.cells[1].mother, lineage.cells[2].mother, lineage.skipped_count), (Some(0), Some(0), 0));
 }
 
-/// Cells with each other's names: links below them are left out, and names that do not fit give none.
+/// Two cells have exchanged names: the links below them are dropped.
 #[test]
 fn cells_are_not_linked_by_names_past_a_gap() {
     let lineage = named(&table(&[
