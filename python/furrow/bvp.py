@@ -60,7 +60,7 @@ class Solution:
     rms_residuals: NDArray[np.float64]
     #: Largest defect abs(y' - f) h / (1 + abs(y)).
     defect: float
-    #: By how much the solution changes at most per change of the equations.
+    #: An estimate, from below, of how much the solution changes per change of the equations.
     condition: float
     #: Estimated error abs(dy) / (1 + abs(y)) where ``error_tol`` bounds it; None otherwise.
     error: float | None

@@ -18,7 +18,7 @@ pub struct Solved {
     pub solution: Solution,
     /// Its largest defect.
     pub defect: f64,
-    /// Estimated condition of the problem there, from a few solves: by how much the solution changes at most, in |δ|/(1 + |value|),
+    /// Estimated condition of the problem there, from a few solves and from below: by how much the solution changes, in |δ|/(1 + |value|),
     /// per change of the right-hand side by 1 + |value|, of conditions at the ends by their largest derivative and of others by 1. Infinite for the best solution of a solve that was
     /// stopped, which has no factors to estimate it with.
     pub condition: f64,

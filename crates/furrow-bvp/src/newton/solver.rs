@@ -205,7 +205,8 @@ pub(crate) const NEWTON_SHARE: f64 = 1e-2;
 /// A bound on the error is checked with a further solution on halved intervals, which is returned, with one more correction, and beside
 /// nodes, where both may miss the same jump of f; where the error is larger, the defect is made smaller. As long as a layer is too thin to be seen, intervals are added where the solution changes most. Where Newton fails,
 /// intervals are halved. Where it fails three times, a homotopy leads from the guess to a solution: the residual of the guess
-/// is taken away step by step, and the mesh follows the layers. A mesh twice as fine as needed is coarsened at the end. All of it
+/// is taken away step by step, and the mesh follows the layers. Where that fails too, a few steps are taken on each of several meshes, which
+/// are refined although the iterates have not converged. A mesh twice as fine as needed is coarsened at the end. All of it
 /// has a budget of work, and ends before the next factorisation once the interrupt of the settings is set.
 ///
 /// # Errors
