@@ -36,10 +36,13 @@ fn step(size: f64, value: f64) -> f64 {
     STEP * (size + value.abs())
 }
 
-/// The size of numbers that are at most 1; 1 for larger ones, and for zeros.
-fn size_of<'v>(values: impl Iterator<Item = &'v f64>) -> f64 {
+/// Single values that are smaller may be zeros with rounding, such as the sine of π.
+const ROUNDED: f64 = 1e-9;
+
+/// The size of numbers that are at most 1; 1 for larger ones, and for numbers that are at most `zero`.
+fn size_of<'v>(values: impl Iterator<Item = &'v f64>, zero: f64) -> f64 {
     let largest = values.fold(0.0, |largest: f64, value| largest.max(value.abs()));
-    if largest == 0.0 { 1.0 } else { largest.min(1.0) }
+    if largest <= zero { 1.0 } else { largest.min(1.0) }
 }
 
 /// Values of a function where one of its arguments is moved up and down, and the size that gives the distance.
@@ -259,7 +262,7 @@ impl Functions<'_, '_> {
         let (n, count) = (self.sizes[0], points.x.len());
         let mut y = points.y.to_vec();
         for c in 0..n {
-            let size = size_of(points.y.iter().skip(c).step_by(n));
+            let size = size_of(points.y.iter().skip(c).step_by(n), 0.0);
             let tried = sides(size, |moved| {
                 (0..count).for_each(|i| y[i * n + c] = moved(points.y[i * n + c]));
                 self.slopes(points.x, &y, p)
@@ -281,7 +284,7 @@ impl Functions<'_, '_> {
         let mut p = p.to_vec();
         for c in 0..np {
             let place = p[c];
-            let tried = sides(size_of([place].iter()), |moved| {
+            let tried = sides(size_of([place].iter(), ROUNDED), |moved| {
                 p[c] = moved(place);
                 self.slopes(points.x, points.y, &p)
             });
@@ -364,8 +367,8 @@ impl TwoPoint for Functions<'_, '_> {
             for c in 0..columns {
                 let place = all[part][c];
                 let size = match part {
-                    0 | 1 => size_of([left[c], right[c]].iter()),
-                    _ => size_of([place].iter()),
+                    0 | 1 => size_of([left[c], right[c]].iter(), ROUNDED),
+                    _ => size_of([place].iter(), ROUNDED),
                 };
                 let tried = sides(size, |moved| {
                     all[part][c] = moved(place);

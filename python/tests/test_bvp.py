@@ -399,3 +399,34 @@ def test_conditions_that_depend_on_an_end_far_from_the_guess_hold():
         np.zeros((2, 5)),
     )
     assert abs(found.y[0, 0] - 0.5) < 1e-8
+
+
+def test_differences_follow_the_size_of_a_component():
+    # y'' = 100 y^3 / c^2 with values of 1e-6; scaled by c the middle is 0.307687446.
+    c, x = 1e-6, np.linspace(0, 1, 11)
+    found = solve_bvp(
+        lambda x, y: np.vstack((y[1], 100 * y[0] ** 3 / c**2)),
+        lambda ya, yb: np.array([ya[0] - c, yb[0] - 2 * c]),
+        x,
+        c * np.vstack((1 + x, np.ones_like(x))),
+    )
+    assert found.sol(0.5)[0] / c == pytest.approx(0.3076874, abs=1e-5)
+
+
+def test_rough_guesses_with_zeros_at_the_ends():
+    # The first zero of the Bessel function J0, from a sine whose value at 1 is zero but for rounding.
+    x = np.linspace(0, 1, 15)
+    found = solve_bvp(
+        lambda x, y, p: np.vstack((y[1], -p[0] * y[0])),
+        lambda ya, yb, p: np.array([ya[0] - 1, ya[1], yb[0]]),
+        x,
+        4 * np.vstack((np.sin(2 * np.pi * x), np.sin(2 * np.pi * x + 1))),
+        [5.0],
+        S=np.diag([0.0, -1.0]),
+    )
+    assert found.p is not None and math.sqrt(found.p[0]) == pytest.approx(2.404825557695773, abs=1e-6)
+
+
+def test_a_family_of_solutions_has_no_outcome_on_a_coarse_mesh_either():
+    with pytest.raises(furrow.NoOutcome, match="singular"):
+        solve_bvp(lambda x, y: np.vstack((y[1], -y[0])), ends, np.linspace(0, np.pi, 5), np.ones((2, 5)))

@@ -1,5 +1,6 @@
 //! Newton's method on a given mesh, and on meshes of its own choice.
 
+mod carried;
 mod condition;
 mod homotopy;
 mod iteration;

@@ -13,6 +13,7 @@ use crate::mesh;
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
 
+use super::carried;
 use super::condition;
 use super::homotopy;
 use super::iteration::{Newton, NewtonError, NewtonScratch};
@@ -135,20 +136,6 @@ pub enum SolveError {
 
 /// Consecutive meshes on which Newton may fail before a homotopy is tried.
 const FAILURES: usize = 3;
-
-/// Newton's method where it is not to converge on every mesh: few steps, and no shorter ones than these.
-const CARRIED: Newton = Newton {
-    tolerance: 1e-6,
-    max_factorisations: 8,
-    max_iterations: 40,
-    min_damping: 0.06,
-    leniency: 1.0,
-    chord_contraction: 0.3,
-};
-
-/// Meshes of these steps, and defects above which intervals are cut.
-const CARRIED_MESHES: usize = 12;
-const CARRIED_DEFECT: f64 = 1e-3;
 
 /// Where the condition times the defect is larger, the problem may be singular.
 const SUSPECT: f64 = 1e-2;
@@ -520,7 +507,7 @@ impl Run<'_> {
                 let Run { problem, settings, system, scratch, work, guess, .. } = self;
                 let limits = [limit, settings.homotopy];
                 let found = homotopy::solve(*problem, guess, limits, system, scratch, work);
-                if let Some(y) = found.or_else(|| self.carried()) {
+                if let Some(y) = found.or_else(|| carried::solve(*problem, guess, limit, system, scratch, work)) {
                     start = y;
                     continue;
                 }
@@ -536,37 +523,6 @@ impl Run<'_> {
             }
             start = self.moved(&start, &mesh::halved(&start.mesh));
         }
-    }
-
-    /// Takes a few steps of Newton's method from the guess on each of several meshes, which are refined although the iterates have not
-    /// converged. `None` if no iterate converges within the limit of intervals.
-    fn carried(&mut self) -> Option<Solution> {
-        let mut y = self.guess.clone();
-        self.scratch.insists = true;
-        let mut found = false;
-        for _ in 0..CARRIED_MESHES {
-            match CARRIED.solve(&mut self.system, &mut self.scratch, self.problem, &mut y, &[], false) {
-                Ok(report) => {
-                    self.work += report;
-                    found = true;
-                    break;
-                }
-                Err(NewtonError::Stalled { .. }) => self.work.rejected += 1,
-                Err(_) => break,
-            }
-            let defects = mesh::defect(&self.system.gauss, self.problem, &y);
-            let grid = mesh::cut(&y.mesh, |i| match defects[i] {
-                defect if defect > 100.0 * CARRIED_DEFECT => 3,
-                defect if defect > CARRIED_DEFECT => 2,
-                _ => 1,
-            });
-            if grid.len() == y.mesh.len() || grid.len() > self.settings.max_intervals + 1 {
-                break;
-            }
-            y = self.moved(&y, &grid);
-        }
-        self.scratch.insists = false;
-        found.then_some(y)
     }
 
     /// The solution on another mesh.
