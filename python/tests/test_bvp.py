@@ -414,7 +414,7 @@ def test_differences_follow_the_size_of_a_component():
 
 
 def test_rough_guesses_with_zeros_at_the_ends():
-    # The first zero of the Bessel function J0, from a sine whose value at 1 is zero but for rounding.
+    # The first zero of the Bessel function J0. The guess is a sine, which at 1 is 1e-15 by rounding.
     x = np.linspace(0, 1, 15)
     found = solve_bvp(
         lambda x, y, p: np.vstack((y[1], -p[0] * y[0])),

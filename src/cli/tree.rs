@@ -299,8 +299,7 @@ pub fn prepared(
 
 /// Prints which founders get a cue in a lineage without cues.
 fn tell_who_gets(text: &str, lineage: &Lineage, cell: &Cell, label: &str) {
-    let place = if label.is_empty() { String::new() } else { format!("{label}: ") };
-    messages::warn_of(lineage.who_gets(text, cell).map(|doubt| format!("{place}{doubt}")));
+    warn_at(label, lineage.who_gets(text, cell));
 }
 
 /// The error for an invalid `--cue`.
@@ -333,8 +332,7 @@ pub fn grown(
     messages::warn_of(grown.summary.described());
     warn_of_searches(&grown.unknown);
     for (tree, scenario) in grown.trees.iter().zip(scenarios) {
-        let place = if scenario.name.is_empty() { String::new() } else { format!("{}: ", scenario.name) };
-        messages::warn_of(tree.doubts().into_iter().map(|doubt| format!("{place}{doubt}")));
+        warn_at(&scenario.name, tree.doubts());
     }
     Ok((grown, spread))
 }
@@ -344,11 +342,16 @@ fn warn_of_rules(scenario: &Scenario, is_replaced: bool) {
     if is_replaced && scenario.lineage.is_without_cues() {
         return;
     }
-    let place = if scenario.name.is_empty() { String::new() } else { format!("{}: ", scenario.name) };
-    messages::warn_of(scenario.lineage.rules_without_cue().into_iter().map(|doubt| format!("{place}{doubt}")));
+    warn_at(&scenario.name, scenario.lineage.rules_without_cue());
 }
 
-/// Logs cues without a critical radius. One warning lists the cues whose search was abandoned.
+/// Warns of doubts about one of several scenarios; a single scenario has no name.
+fn warn_at(name: &str, doubts: impl IntoIterator<Item = String>) {
+    let place = if name.is_empty() { String::new() } else { format!("{name}: ") };
+    messages::warn_of(doubts.into_iter().map(|doubt| format!("{place}{doubt}")));
+}
+
+/// Logs cues without a critical radius, and warns once of all cues whose search was abandoned.
 fn warn_of_searches(unknown: &[(Cue, ShapeError)]) {
     for (cue, error) in unknown {
         messages::write(

@@ -4,12 +4,11 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use furrow_formats::exchange::{Kind, Sheet, SheetCell, SheetColumn};
-use furrow_input::table::{Table, text};
 use furrow_input::{InputError, listed};
 use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes, mean_volumes};
 use furrow_measured::matching::Matched;
 use furrow_measured::names::Names;
-use furrow_measured::published::SULSTON;
+use furrow_measured::published;
 use furrow_measured::tracked::{
     EmbryoFile, TableKind, TimeUnit, TrackOptions, TrackedLineage, embryo_files, read_tracked,
 };
@@ -57,7 +56,7 @@ impl Observed {
             let given = !volumes.is_empty() || frame_minutes.is_some() || voxel.is_some();
             let allowed = "without volumes, minutes per frame and voxels: it has minutes and no sizes";
             InputError::require(!given, SULSTON1983, "options", "(given)", allowed)?;
-            let (lineage, skipped, warnings) = (ObservedLineage::sulston(names)?, Vec::new(), Vec::new());
+            let (lineage, skipped, warnings) = (ObservedLineage::sulston(names), Vec::new(), Vec::new());
             return Ok(Observed { lineage, matched: None, skipped, skipped_count: 0, warnings });
         }
         let of_tracks = TrackOptions { pixel: *voxel, frame_minutes: *frame_minutes, ..TrackOptions::default() };
@@ -155,17 +154,11 @@ impl ObservedLineage {
     }
 
     /// The embryonic lineage of C. elegans, in minutes.
-    ///
-    /// # Errors
-    /// None in practice; reading is typed as fallible.
-    pub fn sulston(names: &Names) -> Result<ObservedLineage, InputError> {
-        let mut table = Table::open(SULSTON.as_bytes(), SULSTON1983)?;
-        table.header(|_| false)?;
-        let (mut cells, mut places): (Vec<ObservedCell>, HashMap<String, usize>) = Default::default();
-        while let Some(row) = table.next_row()? {
-            let [name, mother] = [0, 1].map(|column| text(row.text(column)).into_owned());
-            let (place, birth) = (cells.len(), row.number(2).ok());
-            let mother = places.get(&mother).copied();
+    pub fn sulston(names: &Names) -> ObservedLineage {
+        let (mut cells, mut places): (Vec<ObservedCell>, HashMap<&str, usize>) = Default::default();
+        for (name, mother, birth) in published::sulston() {
+            let place = cells.len();
+            let mother = places.get(mother).copied();
             let mut generation = 0;
             if let Some(mother) = mother {
                 let above: &mut ObservedCell = &mut cells[mother];
@@ -173,8 +166,8 @@ impl ObservedLineage {
                 let at = usize::from(above.daughters[0].is_some());
                 above.daughters[at] = Some(place);
             }
-            places.insert(name.clone(), place);
-            cells.push(ObservedCell { name, mother, generation, birth, ..ObservedCell::default() });
+            places.insert(name, place);
+            cells.push(ObservedCell { name: name.to_owned(), mother, generation, birth, ..ObservedCell::default() });
         }
         let names_of: Vec<String> = cells.iter().map(|cell| cell.name.clone()).collect();
         for cell in &mut cells {
@@ -184,7 +177,7 @@ impl ObservedLineage {
                 cell.daughters = [Some(second), Some(first)];
             }
         }
-        Ok(ObservedLineage { name: SULSTON1983.to_owned(), cells, time: TimeUnit::Minutes, volumes: None })
+        ObservedLineage { name: SULSTON1983.to_owned(), cells, time: TimeUnit::Minutes, volumes: None }
     }
 
     /// The cells of tables of lifetimes, with mean volumes. A cell's name gives its mother. A cell without a birth in the table is born

@@ -99,7 +99,7 @@ pub fn is_ctc(text: &str) -> bool {
     count > 0
 }
 
-/// Whether the lines below a heading `L B E P` hold numbers only, as those of tracks of the Cell Tracking Challenge.
+/// Whether all fields are numbers, apart from a heading `L B E P`.
 pub fn has_only_numbers(text: &str) -> bool {
     let mut lines = lines_below(text).peekable();
     let is_number = |word: &str| word.parse::<f64>().is_ok();

@@ -175,7 +175,7 @@ impl Names {
         Names { founders, letters, of_worm, lifetimes: Arc::default(), matching: None }
     }
 
-    /// These names with the lineage's lifetimes of cells, in minutes, which determine which of two sisters divides first.
+    /// These names with the lineage's lifetimes of cells, in minutes. They order the divisions of sisters.
     #[must_use]
     pub fn with_lifetimes(self, lifetimes: BTreeMap<String, f64>) -> Names {
         Names { lifetimes: Arc::new(lifetimes), ..self }

@@ -32,7 +32,7 @@ const LIFETIMES: &str = include_str!("../data/jankele2021_lifetimes.csv");
 const VILLOUTREIX: &str = include_str!("../data/villoutreix2016.csv");
 
 /// The cells of Sulston's lineage with their mothers, births and fates.
-pub const SULSTON: &str = include_str!("../data/sulston1983_lineage.csv");
+const SULSTON: &str = include_str!("../data/sulston1983_lineage.csv");
 
 /// The source of the divisions of sea-urchin embryos.
 pub const SEA_URCHIN_SOURCE: &str = "Villoutreix et al. 2016, Sci. Rep. 6:37438";
@@ -85,6 +85,12 @@ pub fn jankele2021_volumes() -> Result<Volumes, InputError> {
 /// Only if the shipped table is invalid.
 pub fn jankele2021_lifetimes() -> Result<Lifetimes, InputError> {
     Lifetimes::read(LIFETIMES.as_bytes(), "jankele2021_lifetimes.csv")
+}
+
+/// The cells of Sulston's lineage: name, mother (empty for P0) and birth in minutes, if it is known. Mothers come before their daughters.
+pub fn sulston() -> impl Iterator<Item = (&'static str, &'static str, Option<f64>)> {
+    let rows = SULSTON.lines().filter(|line| !line.starts_with('#')).skip(1).map(|line| line.split(','));
+    rows.filter_map(|mut fields| Some((fields.next()?, fields.next()?, fields.next()?.parse().ok())))
 }
 
 /// The published groups of worms.

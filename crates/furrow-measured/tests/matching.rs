@@ -105,8 +105,8 @@ fn cells_below_a_root_are_matched_by_size_then_descendants_then_order() {
         let chi = matched.divisions[0].chi.unwrap();
         assert!((chi - (729.0 - 216.0) / (729.0 + 216.0)).abs() < 1e-12, "{chi}");
     }
-    // The daughters of the egg are nearly equal, and only the smaller one, ID3, divides, twice: as does the founder animal, whose
-    // daughters the lineage lists.
+    // The daughters of the egg are nearly equal. Only the smaller one, ID3, has two generations below it, as the founder animal has
+    // in the lineage.
     let text = "LABEL,ID,FRAME,RADIUS\nID11,11,9,2\nID12,12,9,2\nID14,14,9,9.1\n";
     let spots = SPOTS.replace("ID4,4,2,6", "ID4,4,2,9.1") + &text[text.find("ID11").unwrap()..];
     files.write("e_spots.csv", &spots.replace("ID7,7,4,3\nID8,8,5,4\nID10,10,6,4\n", ""));
@@ -170,12 +170,8 @@ fn without_sizes_the_order_of_divisions_decides() {
 
 /// Sulston's chart up to a minute, as tracks in any order: each cell's name by its label.
 fn cut(end: u32, is_turned: bool) -> (String, Vec<String>) {
-    let rows: Vec<(&str, &str, u32)> = furrow_measured::published::SULSTON
-        .lines()
-        .filter_map(|line| {
-            let fields: Vec<&str> = line.split(',').collect();
-            Some((*fields.first()?, *fields.get(1)?, fields.get(2)?.parse().ok()?))
-        })
+    let rows: Vec<(&str, &str, u32)> = furrow_measured::published::sulston()
+        .filter_map(|(cell, mother, birth)| Some((cell, mother, birth? as u32)))
         .filter(|(.., birth)| *birth < end)
         .collect();
     let label = |name: &str| rows.iter().position(|(cell, ..)| *cell == name).map_or(0, |at| at + 1);

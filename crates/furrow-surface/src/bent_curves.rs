@@ -12,7 +12,7 @@ use furrow_mechanics::equilibria::{ShapeError, StepBudget};
 use crate::bent::{Bent, BentError, BentEvent, NormalForm, can_follow, events};
 use crate::division::divide;
 
-/// Number of steps over a range if none fails.
+/// Number of steps over a range if every step succeeds.
 const STEPS: f64 = 12.0;
 /// Shortest step, relative to the first.
 const SHORTEST: f64 = 1e-2;

@@ -37,28 +37,18 @@ pub(super) fn solve(
     work: &mut Work,
 ) -> Option<Solution> {
     scratch.insists = true;
-    let found = iterate(problem, guess, max_intervals, system, scratch, work);
-    scratch.insists = false;
-    found
-}
-
-fn iterate(
-    problem: &mut dyn BoundaryValueProblem,
-    guess: &Solution,
-    max_intervals: usize,
-    system: &mut System,
-    scratch: &mut NewtonScratch,
-    work: &mut Work,
-) -> Option<Solution> {
-    let mut y = guess.clone();
-    for _ in 0..MESHES {
+    let (mut y, mut meshes) = (guess.clone(), 0..MESHES);
+    let found = loop {
+        if meshes.next().is_none() {
+            break None;
+        }
         match FEW.solve(system, scratch, problem, &mut y, &[], false) {
             Ok(report) => {
                 *work += report;
-                return Some(y);
+                break Some(y);
             }
             Err(NewtonError::Stalled { .. }) => work.rejected += 1,
-            Err(_) => return None,
+            Err(_) => break None,
         }
         let defects = mesh::defect(&system.gauss, problem, &y);
         let grid = mesh::cut(&y.mesh, |i| match defects[i] {
@@ -67,10 +57,11 @@ fn iterate(
             _ => 1,
         });
         if grid.len() == y.mesh.len() || grid.len() > max_intervals + 1 {
-            return None;
+            break None;
         }
         work.remeshings += 1;
         y = y.on_mesh(&system.gauss, &grid);
-    }
-    None
+    };
+    scratch.insists = false;
+    found
 }

@@ -9,8 +9,8 @@ pub fn input(r0: f64) -> DivisionInput {
     DivisionInput::new(Cell::new(r0))
 }
 
-/// A stand-in for the solver: cells divide equally from radius 8, unequally from 1, and not at all below. Unlike in real
-/// cells, the radii of the daughters, not their volumes, add up to the mother's.
+/// A stand-in for the solver: cells of radius 8 and more divide equally, cells of 1 to 8 unequally, and smaller cells do not divide. The
+/// radii of the daughters add up to the mother's radius.
 pub fn divide(input: &DivisionInput) -> Division {
     let r0 = input.cell.r0;
     let chi = if r0 < 8.0 { 0.1 * (8.0 - r0) } else { 0.0 };

@@ -209,14 +209,25 @@ fn point(row: Row<'_>, columns: [usize; 2]) -> ([f64; 2], Option<String>) {
 const OFF_AXIS: &str =
     "this is one side of a section that does not reach the axis: its first and last point need r = 0";
 
-/// Whether points with r and z are one side of a section that does not reach the axis: between two neighbours alone there is more than half
-/// of the section's length.
-fn is_open_side(points: &[[f64; 2]]) -> bool {
+/// The distance along the axis from each point to the one before it, as a share of the section's length.
+fn gaps(points: &[[f64; 2]]) -> impl Fn(usize) -> f64 {
     let along = points.iter().map(|point| point[1]);
     let length = along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min);
-    let before = |k: usize| points[(k + points.len() - 1) % points.len()];
-    let long = (0..points.len()).filter(|k| 2.0 * (points[*k][1] - before(*k)[1]).abs() > length);
-    points.iter().all(|point| point[0] > 0.0) && long.count() == 1
+    move |k| (points[k][1] - before(points, k)[1]).abs() / length
+}
+
+/// The point before a point of a closed outline.
+fn before(points: &[[f64; 2]], k: usize) -> &[f64; 2] {
+    &points[(k + points.len() - 1) % points.len()]
+}
+
+/// A larger gap than this leaves a section open.
+const OPEN: f64 = 0.5;
+
+/// Whether points with r and z are one side of a section that does not reach the axis: exactly one gap is large.
+fn is_open_side(points: &[[f64; 2]]) -> bool {
+    let gap = gaps(points);
+    points.iter().all(|point| point[0] > 0.0) && (0..points.len()).filter(|k| gap(*k) > OPEN).count() == 1
 }
 
 /// Distance from the axis, as a share of the largest, up to which a point is on the axis.
@@ -230,13 +241,10 @@ fn both_sides(points: &[[f64; 2]]) -> Option<Vec<[f64; 2]>> {
     if widest <= 0.0 || !points.iter().all(is_beside) {
         return None;
     }
-    let along = points.iter().map(|point| point[1]);
-    let length = along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min);
-    let before = |k: usize| &points[(k + points.len() - 1) % points.len()];
-    let gap = |k: usize| (points[k][1] - before(k)[1]).abs();
+    let gap = gaps(points);
     let on_axis = |point: &[f64; 2]| point[0] <= ON_AXIS * widest;
-    let open = (0..points.len()).filter(|k| on_axis(&points[*k]) && on_axis(before(*k)));
-    let first = open.max_by(|a, b| gap(*a).total_cmp(&gap(*b))).filter(|k| 2.0 * gap(*k) > length)?;
+    let open = (0..points.len()).filter(|k| on_axis(&points[*k]) && on_axis(before(points, *k)));
+    let first = open.max_by(|a, b| gap(*a).total_cmp(&gap(*b))).filter(|k| gap(*k) > OPEN)?;
     let mut side = points.to_vec();
     side.rotate_left(first);
     let other = side.iter().rev().map(|[r, z]| [-r, *z]).collect::<Vec<_>>();

@@ -1,4 +1,4 @@
-//! Known lifetimes determine which of two sisters divides first.
+//! The order in which two sisters divide, from known lifetimes.
 
 use std::collections::HashMap;
 
@@ -6,7 +6,7 @@ use furrow_input::InputError;
 
 use crate::lifetimes::Lifetimes;
 use crate::names::Names;
-use crate::published::{SULSTON, jankele2021_lifetimes};
+use crate::published::{jankele2021_lifetimes, sulston};
 
 /// Lifetimes that differ by a smaller part of the shorter one give no order.
 const NEARLY_EQUAL: f64 = 0.05;
@@ -55,11 +55,8 @@ fn shorter((one, other): (f64, f64)) -> Option<usize> {
 fn in_chart() -> HashMap<&'static str, f64> {
     let mut births: HashMap<&str, f64> = HashMap::new();
     let mut lives = HashMap::new();
-    // Mothers come before their daughters; lines without a number are headings.
-    for line in SULSTON.lines() {
-        let fields: Vec<&'static str> = line.split(',').collect();
-        let [name, mother, birth, ..] = fields[..] else { continue };
-        let Ok(birth) = birth.parse::<f64>() else { continue };
+    for (name, mother, birth) in sulston() {
+        let Some(birth) = birth else { continue };
         births.insert(name, birth);
         if let Some(begin) = births.get(mother) {
             lives.insert(mother, birth - begin);

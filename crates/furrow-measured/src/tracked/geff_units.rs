@@ -63,7 +63,7 @@ fn of_space(axes: &[Value], file: &str) -> Result<Vec<LengthUnit>, InputError> {
     Ok(found)
 }
 
-/// The unit of radii: their own, or that of the axes of space; `None` without a unit. Radii in pixels are scaled as the axes are.
+/// The unit of radii; by default the unit of the spatial axes. `None` if neither is given. Radii in pixels have the scale of the axes.
 pub(super) fn of_radii(
     (property, own): (&str, &Value),
     axes: &[Value],

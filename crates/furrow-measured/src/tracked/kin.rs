@@ -57,8 +57,8 @@ impl TrackedLineage {
         let daughters = self.cells[mother].daughters.clone();
         let born = daughters.iter().map(|daughter| self.cells[*daughter].first).reduce(f64::min);
         self.cells[mother].division = born;
-        for (daughter, born) in daughters.into_iter().zip(born.into_iter().cycle()) {
-            self.cells[daughter].birth = born;
+        for daughter in daughters {
+            self.cells[daughter].birth = born.unwrap_or(self.cells[daughter].birth);
         }
     }
 
