@@ -16,10 +16,11 @@ use furrow_formats::film::{self, check_path, write_film};
 use furrow_formats::frames::{self, FrameFiles, check_step, write_frames};
 use furrow_input::{InputError, rounded_number};
 use furrow_lineage::Units;
+use furrow_lineage::batch::checks::{Checked, MeshEffect, NoiseEffect, next_seed};
 use furrow_lineage::batch::memo::Solve;
 use furrow_lineage::batch::perturbations::perturbations;
 use furrow_lineage::batch::scheduler::solve_all;
-use furrow_lineage::batch::{self, Failure, Filming, Memo, replicates, replicates_by};
+use furrow_lineage::batch::{self, Failure, Filming, Memo, replicates_by};
 use furrow_mechanics::division::{
     Division, DivisionInput, DivisionOptions, Ending, Frame, Recorder, Statistics, Trajectory,
 };
@@ -105,97 +106,47 @@ struct Divisions {
     mesh: Option<MeshEffect>,
 }
 
-/// The second division in a comparison of two divisions of a cell.
-fn compared(other: &Division) -> Value {
-    filled(json!({ "outcome": other.outcome(), "chi": other.chi(), "u_furrow": other.u_furrow() }))
+/// Describes the effect of the noise on `first`.
+fn noise_text(effect: &NoiseEffect, first: &Division) -> String {
+    let NoiseEffect { seed, other, .. } = effect;
+    format!(
+        "the noise decides how unequal: {} with this seed, {} with seed {seed}; --replicates 20 shows the spread\n",
+        found(first),
+        found(other)
+    )
 }
 
-/// Whether the noise affects more than the side of a cell's furrow, as tested by a division with another seed.
-struct NoiseEffect {
-    seed: u64,
-    other: Division,
-    decides: bool,
+/// Describes the effect of the mesh on `first`.
+fn mesh_text(effect: &MeshEffect, first: &Division) -> String {
+    let MeshEffect { numerics: Numerics { intervals, time_tolerance, .. }, other, chi_apart, .. } = effect;
+    let what = if chi_apart.is_some() { "how unequal" } else { "whether it divides" };
+    let there = other.as_ref().map_or_else(|failure| format!("no answer ({failure})"), found);
+    format!(
+        "the mesh or the time steps decide {what}: {} with these, {there} with --set intervals={intervals} --set time_tolerance={time_tolerance}\n",
+        found(first)
+    )
 }
 
-impl NoiseEffect {
-    /// The effect on the first division, from the first of the others that disagrees with it, otherwise from the next one.
-    fn of(first: &Division, others: &[Replicate], cell: &Cell) -> Option<NoiseEffect> {
-        let differs = |other: &&Replicate| !first.agrees_with(&other.division, cell.is_mirror_symmetric());
-        let found = others.iter().find(differs);
-        let Replicate { seed, division, .. } = found.or(others.first())?;
-        Some(NoiseEffect { seed: *seed, other: division.clone(), decides: found.is_some() })
-    }
-
-    /// Describes the effect of the noise.
-    fn text(&self, first: &Division) -> String {
-        format!(
-            "the noise decides how unequal: {} with this seed, {} with seed {}; --replicates 20 shows the spread\n",
-            found(first),
-            found(&self.other),
-            self.seed
-        )
-    }
-
-    fn document(&self) -> Value {
-        let other = merged(json!({ "seed": self.seed }), compared(&self.other));
-        json!({ "depends_on_noise": self.decides, "other_seed": other })
-    }
-}
-
-/// The same division on twice the mesh, with a quarter of the tolerance in time.
-struct MeshEffect {
-    finer: Numerics,
-    /// Its outcome, or the reason why it failed.
-    other: Result<Division, CliError>,
-    /// Whether it disagrees with the division on the given mesh.
-    differs: bool,
-    /// The difference in χ, if both divide.
-    uncertainty: Option<f64>,
-}
-
-impl MeshEffect {
-    /// Computes the refined division, if so fine a mesh is allowed, and compares.
-    fn of(
-        first: &Division,
-        input: &DivisionInput,
-        memo: &Memo,
-        context: &Context,
-    ) -> Result<Option<MeshEffect>, CliError> {
-        let Some(finer) = input.refined() else { return Ok(None) };
-        let (parity, numerics) = (input.cell.is_mirror_symmetric(), finer.numerics);
-        let mut found = replicates(&finer, 1, memo, &context.scheduling(&|_| ()))?;
-        let other = match (found.divisions.pop(), found.undecided.pop()) {
-            (Some((_, division)), _) => Ok(division),
-            (None, Some(job)) => Err(reason(job.failure)),
-            (None, None) => return Err(CliError::Interrupted),
-        };
-        let differs = other.as_ref().map_or(true, |other| first.depends_on_numerics(other, parity));
-        let uncertainty = other.as_ref().ok().and_then(|other| first.chi_apart(other, parity));
-        Ok(Some(MeshEffect { finer: numerics, other, differs, uncertainty }))
-    }
-
-    /// One line for the terminal.
-    fn text(&self, first: &Division) -> String {
-        let MeshEffect { finer: Numerics { intervals, time_tolerance, .. }, other, uncertainty, .. } = self;
-        let what = if uncertainty.is_some() { "how unequal" } else { "whether it divides" };
-        let there = other.as_ref().map_or_else(|error| format!("no answer ({error})"), found);
-        format!(
-            "the mesh or the time steps decide {what}: {} with these, {there} with --set intervals={intervals} --set time_tolerance={time_tolerance}\n",
-            found(first)
-        )
-    }
-
-    fn document(&self) -> Value {
-        let there = self.other.as_ref().map_or_else(|error| json!({ "why": error.to_string() }), compared);
+/// The effects of noise and mesh, with the divisions behind them.
+fn effects(found: &Divisions, given: &Numerics) -> Value {
+    let on = |mesh: &Numerics| json!({ "intervals": mesh.intervals, "time_tolerance": mesh.time_tolerance });
+    let division =
+        |one: &Division| filled(json!({ "outcome": one.outcome(), "chi": one.chi(), "u_furrow": one.u_furrow() }));
+    let noise = found.noise.as_ref().map_or(Value::Null, |effect| {
+        let other = merged(json!({ "seed": effect.seed }), division(&effect.other));
+        let mesh = if effect.numerics == *given { Value::Null } else { on(&effect.numerics) };
+        json!({ "depends_on_noise": effect.decides, "other_seed": merged(other, mesh) })
+    });
+    let mesh = found.mesh.as_ref().map_or(Value::Null, |effect| {
+        let finer = effect.numerics.intervals > given.intervals;
+        let there = effect.other.as_ref().map_or_else(|failure| json!({ "why": failure.to_string() }), division);
         json!({
-            "depends_on_mesh": self.differs,
-            "chi_uncertainty": self.uncertainty,
-            "twice_the_mesh": merged(
-                json!({ "intervals": self.finer.intervals, "time_tolerance": self.finer.time_tolerance }),
-                there
-            ),
+            "depends_on_mesh": effect.decides,
+            "chi_uncertainty": effect.chi_apart,
+            if finer { "twice_the_mesh" } else { "half_the_mesh" }: merged(on(&effect.numerics), there),
         })
-    }
+    });
+    merged(noise, mesh)
 }
 
 /// The outcome of a division in one word.
@@ -258,7 +209,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     }
     // Results from a stationary shape are given only in natural units.
     let units = if until.is_some() { Units::default() } else { context.units };
-    print_as(context.json, &document(&input.cell, &units, until, &found), || text(&input.cell, &units, &found))
+    print_as(context.json, &document(&input, &units, until, &found), || text(&input.cell, &units, &found))
 }
 
 /// The page with the movie of an axisymmetric division.
@@ -305,7 +256,7 @@ fn without_axis(
     }
     let document = || {
         merged(
-            document(&input.cell, &context.units, None, &found),
+            document(input, &context.units, None, &found),
             film.as_ref().map_or(Value::Null, |film| neck_report(&film.found)),
         )
     };
@@ -330,8 +281,13 @@ fn resolved_cue(cell: &Cell) -> Option<Cue> {
 }
 
 /// The result as JSON: the cell, the first replicate, and all replicates.
-fn document(cell: &Cell, units: &Units, until: Option<f64>, found: &Divisions) -> Value {
-    let Divisions { replicates, undecided, noise, mesh } = found;
+fn document(
+    DivisionInput { cell, numerics, .. }: &DivisionInput,
+    units: &Units,
+    until: Option<f64>,
+    found: &Divisions,
+) -> Value {
+    let Divisions { replicates, undecided, .. } = found;
     let (first, Cell { r0, epsilon, xi_s, cue, .. }) = (&replicates[0], cell);
     let start = filled(json!({
         "r0_um": units.micrometres(*r0),
@@ -345,8 +301,7 @@ fn document(cell: &Cell, units: &Units, until: Option<f64>, found: &Divisions) -
         json!(first),
         json!({ "replicates": replicates }),
         json!(Statistics::of(replicates.iter().map(|one| &one.division))),
-        noise.as_ref().map_or(Value::Null, NoiseEffect::document),
-        mesh.as_ref().map_or(Value::Null, MeshEffect::document),
+        effects(found, numerics),
         json!({ "undecided": undecided }),
     ];
     let of_cell = json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue, "resolved_cue": resolved_cue(cell) });
@@ -358,27 +313,38 @@ fn document(cell: &Cell, units: &Units, until: Option<f64>, found: &Divisions) -
 fn divide(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Divisions, CliError> {
     let memo = context.memo()?;
     if args.replicates == 1 {
-        solve_ahead(input, &memo, context)?;
+        // The division takes longest and starts first.
+        let inputs = Checked::inputs(input).map_or(vec![input.clone()], Vec::from);
+        solve_ahead(inputs, input, &memo, context)?;
+        if let Some(Checked { division, noise, mesh }) = Checked::of_known(input, &memo) {
+            let replicates = vec![Replicate { seed: input.seed, division, perturbation: None }];
+            return Ok(Divisions { replicates, undecided: 0, noise: Some(noise), mesh: Some(mesh) });
+        }
+        solve_ahead(input.refined().into_iter().chain([next_seed(input)]), input, &memo, context)?;
     }
     // The second replicate shows whether the noise matters.
     let mut found = solve(args, context, (input, args.replicates.max(2) as usize), &memo, batch::solve)?;
     let Replicate { seed, division, .. } = &found.replicates[0];
-    found.mesh = MeshEffect::of(division, &DivisionInput { seed: *seed, ..input.clone() }, &memo, context)?;
-    found.noise = NoiseEffect::of(&found.replicates[0].division, &found.replicates[1..], &input.cell);
+    let first = DivisionInput { seed: *seed, ..input.clone() };
+    found.mesh = MeshEffect::of(&first, division, &memo, &context.scheduling(&|_| ()))?;
+    let others = found.replicates[1..].iter().map(|one| (one.seed, &one.division));
+    found.noise = NoiseEffect::of(&first, division, others);
     // If one replicate is requested, the second serves only to test the effect of the noise.
     found.replicates.truncate(args.replicates as usize);
     Ok(found)
 }
 
-/// Solves the divisions for one replicate in parallel and stores them in the memo: the refined one, which takes longest, the
-/// replicate, and the one with the next seed.
+/// Solves divisions in parallel and stores them in the memo.
 ///
 /// # Errors
-/// The error of the replicate; errors of the others are ignored.
-fn solve_ahead(input: &DivisionInput, memo: &Memo, context: &Context) -> Result<(), CliError> {
-    let next = DivisionInput { seed: input.seed.wrapping_add(1), ..input.clone() };
-    let all = input.refined().into_iter().chain([input.clone(), next]);
-    let unknown: Vec<DivisionInput> = all.filter(|one| memo.known(one).is_none()).collect();
+/// The error of the division of `input`; errors of the others are ignored.
+fn solve_ahead(
+    all: impl IntoIterator<Item = DivisionInput>,
+    input: &DivisionInput,
+    memo: &Memo,
+    context: &Context,
+) -> Result<(), CliError> {
+    let unknown: Vec<DivisionInput> = all.into_iter().filter(|one| memo.known(one).is_none()).collect();
     if unknown.is_empty() {
         return Ok(());
     }
@@ -484,8 +450,8 @@ fn text(cell: &Cell, units: &Units, found: &Divisions) -> String {
         let divided = replicates.len() - statistics.failed;
         let _ = writeln!(out, "{} replicates: {divided} divided{chi}", replicates.len());
     }
-    out.extend(noise.iter().filter(|noise| noise.decides).map(|noise| noise.text(first)));
-    out.extend(mesh.iter().filter(|mesh| mesh.differs).map(|mesh| mesh.text(first)));
+    out.extend(noise.iter().filter(|noise| noise.decides).map(|noise| noise_text(noise, first)));
+    out.extend(mesh.iter().filter(|mesh| mesh.decides).map(|mesh| mesh_text(mesh, first)));
     out + &one_sided(cell, replicates)
 }
 

@@ -154,7 +154,7 @@ fields! {
         scheme at numerics.scheme => Scheme, "converged or published", |_v| true;
         dt at numerics.dt => f64, "above 0 and at most 10", |v| v > 0.0 && v <= 10.0;
         first_step at numerics.first_step => f64, "from 1e-6 to 0.1", |v| (1e-6..=0.1).contains(&v);
-        time_tolerance at numerics.time_tolerance => f64, "from 1e-9 to 0.1", |v| (1e-9..=0.1).contains(&v);
+        time_tolerance at numerics.time_tolerance => f64, "from 1e-9 to 0.1", |v| (1e-9..=GREATEST_TIME_TOLERANCE).contains(&v);
         step_factor at numerics.step_factor => f64, "from 0.1 to 1", |v| (0.1..=1.0).contains(&v);
         t_max at numerics.t_max => f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
         noise at numerics.noise => f64, "0 or above and below 1", |v| (0.0..1.0).contains(&v);
@@ -464,12 +464,10 @@ impl Settings {
         Err(InputError::not_allowed(source_name, "physics.w", w, allowed))
     }
 
-    /// Checks whether divisions can be computed with these numerics; stationary shapes require less. Within these limits,
-    /// cells of R0 from 1.6 to 5.4, with and without a cue, were found to divide or to come to rest as with the preset's
-    /// numerics.
+    /// Checks whether divisions can be computed with these numerics; stationary shapes require less.
     pub fn check_divisions(&self, source_name: &str) -> Result<(), InputError> {
         let Numerics { stages, intervals, step_factor, time_tolerance, .. } = self.numerics;
-        let least = [160, 64, 32].get(stages.saturating_sub(1)).copied().unwrap_or(16);
+        let least = self.numerics.least_intervals();
         if intervals < least {
             let allowed = format!("at least {least} where numerics.stages = {stages}");
             return Err(InputError::not_allowed(source_name, "numerics.intervals", intervals, allowed));
@@ -608,6 +606,9 @@ const INTERVALS_OF_WALL: f64 = 0.96;
 
 /// Largest initial number of mesh intervals.
 pub const MOST_INTERVALS: usize = 4096;
+
+/// Largest allowed error per time step.
+pub const GREATEST_TIME_TOLERANCE: f64 = 0.1;
 
 /// Values of ξ_b/ξ_s.
 const RATIOS: RangeInclusive<f64> = -1e6..=1e6;

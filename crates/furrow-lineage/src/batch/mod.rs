@@ -3,8 +3,9 @@
 //!
 //! [`scheduler::run`] requests every division from the [`Memo`] and solves unknown ones. The memo uses the [`Store`],
 //! a file shared with other processes. [`mod@replicates`], [`mod@perturbations`] and [`phase`] solve many related
-//! divisions.
+//! divisions; [`checks`] compares a division with others of the same cell.
 
+pub mod checks;
 pub mod key;
 pub mod memo;
 pub mod perturbations;

@@ -41,7 +41,7 @@ pub use sensitivity::Sensitivity;
 pub use statistics::Statistics;
 pub use trajectory::{Recorder, Snapshot, Trajectory, uniform_times};
 
-use furrow_cell::settings::MOST_INTERVALS;
+use furrow_cell::settings::{GREATEST_TIME_TOLERANCE, MOST_INTERVALS};
 use furrow_cell::{Cell, Numerics};
 
 /// All inputs of a division: equal inputs give bit-identical outcomes.
@@ -79,5 +79,14 @@ impl DivisionInput {
         let time_tolerance = (0.25 * given).max(self.numerics.least_time_tolerance()).min(given);
         let numerics = Numerics { intervals, time_tolerance, ..self.numerics };
         (intervals <= MOST_INTERVALS).then(|| DivisionInput { numerics, ..self.clone() })
+    }
+
+    /// The same on half as many mesh intervals, with four times the tolerance in time up to the largest one; `None` if no division can
+    /// be computed on so few.
+    pub fn coarsened(&self) -> Option<DivisionInput> {
+        let intervals = self.numerics.intervals / 4 * 2;
+        let time_tolerance = (4.0 * self.numerics.time_tolerance).min(GREATEST_TIME_TOLERANCE);
+        let numerics = Numerics { intervals, time_tolerance, ..self.numerics };
+        (intervals >= numerics.least_intervals()).then(|| DivisionInput { numerics, ..self.clone() })
     }
 }
