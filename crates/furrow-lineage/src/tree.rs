@@ -2,7 +2,7 @@
 
 use petgraph::Direction::Incoming;
 use petgraph::graph::{DiGraph, NodeIndex};
-use petgraph::visit::{Dfs, DfsPostOrder, EdgeRef, NodeFiltered};
+use petgraph::visit::{Dfs, EdgeRef, NodeFiltered};
 use serde::{Deserialize, Serialize};
 
 use super::definition::Lineage;
@@ -327,12 +327,6 @@ impl Tree {
         let shown = NodeFiltered::from_fn(&self.graph, move |node| self.graph[node].generation <= last);
         let mut walk = Dfs::new(&self.graph, self.first().0);
         std::iter::from_fn(move || walk.next(&shown).map(CellId))
-    }
-
-    /// All cells in post-order: daughters before their mother, the anterior one first.
-    pub fn post_order(&self) -> impl Iterator<Item = CellId> {
-        let mut walk = DfsPostOrder::new(&self.graph, self.first().0);
-        std::iter::from_fn(move || walk.next(&self.graph).map(CellId))
     }
 
     /// Cells without daughters, from anterior to posterior.

@@ -284,11 +284,6 @@ impl Space {
         }
         out
     }
-
-    /// First spline, by station, for loops over the splines of an element.
-    pub fn local_splines(station: &Station) -> std::ops::Range<usize> {
-        station.element..station.element + LOCAL
-    }
 }
 
 /// Nonzero entries of a jet: (3·row + component, factor).

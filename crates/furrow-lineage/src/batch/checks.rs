@@ -129,3 +129,38 @@ impl MeshEffect {
 pub fn next_seed(input: &DivisionInput) -> DivisionInput {
     DivisionInput { seed: input.seed.wrapping_add(1), ..input.clone() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::Quantisation;
+
+    /// A memo with the divisions that [`Checked::of_known`] compares.
+    fn solved(input: &DivisionInput) -> Memo {
+        let memo = Memo::new(Quantisation::DEFAULT);
+        solve_all(Checked::inputs(input).unwrap(), &memo, &SchedulerOptions::default(), solve).unwrap();
+        memo
+    }
+
+    #[test]
+    fn half_the_mesh_suffices_for_a_cell_with_one_furrow() {
+        let input = DivisionInput::new(Cell::new(2.5));
+        assert!(Checked::of_known(&input, &Memo::new(Quantisation::DEFAULT)).is_none());
+        let memo = solved(&input);
+        let Checked { division, noise, mesh } = Checked::of_known(&input, &memo).unwrap();
+        assert!(!noise.decides && !mesh.decides && mesh.numerics.intervals == 24);
+        let found = MeshEffect::of(&input, &division, &memo, &SchedulerOptions::default()).unwrap().unwrap();
+        assert_eq!((found.numerics, found.chi_apart), (mesh.numerics, mesh.chi_apart));
+    }
+
+    #[test]
+    fn twice_the_mesh_decides_where_two_furrows_compete() {
+        let input = DivisionInput::new(Cell::new(5.6));
+        let memo = solved(&input);
+        assert!(Checked::of_known(&input, &memo).is_none());
+        let [division, other] = [&input, &next_seed(&input)].map(|one| memo.solve(one, solve).unwrap());
+        let mesh = MeshEffect::of(&input, &division, &memo, &SchedulerOptions::default()).unwrap().unwrap();
+        assert!(!mesh.decides && mesh.numerics.intervals == 96);
+        assert!(NoiseEffect::of(&input, &division, [(1, &other)]).unwrap().decides);
+    }
+}

@@ -83,6 +83,15 @@ impl DivisionInput {
 
     /// The same on half as many mesh intervals, with four times the tolerance in time up to the largest one; `None` if no division can
     /// be computed on so few.
+    ///
+    /// ```
+    /// use furrow_cell::Cell;
+    /// use furrow_mechanics::division::DivisionInput;
+    /// let coarser = DivisionInput::new(Cell::new(2.5)).coarsened().ok_or("as coarse as a mesh may be")?;
+    /// assert_eq!((coarser.numerics.intervals, coarser.numerics.time_tolerance), (24, 6.4e-5));
+    /// assert_eq!(coarser.coarsened(), None);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn coarsened(&self) -> Option<DivisionInput> {
         let intervals = self.numerics.intervals / 4 * 2;
         let time_tolerance = (4.0 * self.numerics.time_tolerance).min(GREATEST_TIME_TOLERANCE);
