@@ -7,7 +7,7 @@
 
 use furrow_bvp::gauss::gauss_rule;
 
-use crate::splines::{DEGREE, LOCAL, LocalValues, local_values};
+use crate::splines::{DEGREE, LocalValues, local_values};
 
 /// One Fourier mode of a vector field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -50,8 +50,8 @@ impl Lanes {
         // Room for the lanes to start up to a lane behind the allocation.
         let entries = (len + 1) * LANE;
         if entries > self.values.capacity() {
-            // `Vec::resize` would copy the old values. Meshes grow by and by.
-            self.values = vec![0.0; entries + entries / 2];
+            // `Vec::resize` would copy the old values.
+            self.values = zeros(entries);
         }
         self.values.resize(entries, 0.0);
         // The offset may be refused, and is only a matter of speed.
@@ -168,18 +168,30 @@ fn subtract_scaled(x: &mut Lane, factor: f64, p: &Lane) {
     *x = [x0 - factor * p0, x1 - factor * p1, x2 - factor * p2, x3 - factor * p3];
 }
 
-/// Makes `v` the given number of zeros. A kilobyte at a time: more are cleared by string instructions, which are slow to begin with.
+/// Zeros that are cleared at a time: longer parts are cleared by string instructions, which are slow to begin with.
+const CLEARED: usize = 128;
+
+/// The given number of zeros, with room for half as many more: meshes grow step by step.
+fn zeros(len: usize) -> Vec<f64> {
+    let mut v = Vec::with_capacity(len + len / 2);
+    while v.len() < len {
+        v.resize(len.min(v.len() + CLEARED), 0.0);
+    }
+    v
+}
+
+/// Makes `v` the given number of zeros.
 pub fn zeroed(v: &mut Vec<f64>, len: usize) {
     if len > v.capacity() {
-        *v = vec![0.0; len + len / 2];
-        return v.truncate(len);
+        *v = zeros(len);
+        return;
     }
     // Most vectors are short and keep their length.
-    if v.len() == len && len <= 128 {
+    if v.len() == len && len <= CLEARED {
         return v.fill(0.0);
     }
     v.resize(len, 0.0);
-    v.chunks_mut(128).for_each(|part| part.fill(0.0));
+    v.chunks_mut(CLEARED).for_each(|part| part.fill(0.0));
 }
 
 /// Adds a scaled lane.
