@@ -16,7 +16,7 @@ use furrow_formats::film::{self, check_path, write_film};
 use furrow_formats::frames::{self, FrameFiles, check_step, write_frames};
 use furrow_input::{InputError, rounded_number};
 use furrow_lineage::Units;
-use furrow_lineage::batch::checks::{Checked, MeshEffect, NoiseEffect, next_seed};
+use furrow_lineage::batch::checks::{MeshEffect, NoiseEffect, Settled, first_check, next_seed};
 use furrow_lineage::batch::memo::Solve;
 use furrow_lineage::batch::perturbations::perturbations;
 use furrow_lineage::batch::scheduler::solve_all;
@@ -98,10 +98,13 @@ fn return_and_distances<S: Serializer>(found: &Option<Perturbation>, serializer:
 }
 
 /// The replicates that could be computed, and the effects of noise and mesh on the first of them.
+#[derive(Default)]
 struct Divisions {
     replicates: Vec<Replicate>,
     /// The number of failed replicates.
     undecided: usize,
+    /// The first division, if neither noise nor mesh decides it by the first check.
+    settled: Option<Settled>,
     noise: Option<NoiseEffect>,
     mesh: Option<MeshEffect>,
 }
@@ -118,7 +121,7 @@ fn noise_text(effect: &NoiseEffect, first: &Division) -> String {
 
 /// Describes the effect of the mesh on `first`.
 fn mesh_text(effect: &MeshEffect, first: &Division) -> String {
-    let MeshEffect { numerics: Numerics { intervals, time_tolerance, .. }, other, chi_apart, .. } = effect;
+    let MeshEffect { finer: Numerics { intervals, time_tolerance, .. }, other, chi_apart, .. } = effect;
     let what = if chi_apart.is_some() { "how unequal" } else { "whether it divides" };
     let there = other.as_ref().map_or_else(|failure| format!("no answer ({failure})"), found);
     format!(
@@ -128,25 +131,32 @@ fn mesh_text(effect: &MeshEffect, first: &Division) -> String {
 }
 
 /// The effects of noise and mesh, with the divisions behind them.
-fn effects(found: &Divisions, given: &Numerics) -> Value {
+fn effects(found: &Divisions) -> Value {
     let on = |mesh: &Numerics| json!({ "intervals": mesh.intervals, "time_tolerance": mesh.time_tolerance });
     let division =
         |one: &Division| filled(json!({ "outcome": one.outcome(), "chi": one.chi(), "u_furrow": one.u_furrow() }));
-    let noise = found.noise.as_ref().map_or(Value::Null, |effect| {
-        let other = merged(json!({ "seed": effect.seed }), division(&effect.other));
-        let mesh = if effect.numerics == *given { Value::Null } else { on(&effect.numerics) };
-        json!({ "depends_on_noise": effect.decides, "other_seed": merged(other, mesh) })
+    let with_seed = |seed: u64, one: &Division| merged(json!({ "seed": seed }), division(one));
+    let settled = found.settled.as_ref().map_or(Value::Null, |Settled { check, other, chi_apart, .. }| {
+        json!({
+            "depends_on_noise": false,
+            "depends_on_mesh": false,
+            "chi_uncertainty": chi_apart,
+            "other_seed": merged(with_seed(check.seed, other), on(&check.numerics)),
+        })
     });
+    let noise = found.noise.as_ref().map_or(
+        Value::Null,
+        |effect| json!({ "depends_on_noise": effect.decides, "other_seed": with_seed(effect.seed, &effect.other) }),
+    );
     let mesh = found.mesh.as_ref().map_or(Value::Null, |effect| {
-        let finer = effect.numerics.intervals > given.intervals;
         let there = effect.other.as_ref().map_or_else(|failure| json!({ "why": failure.to_string() }), division);
         json!({
             "depends_on_mesh": effect.decides,
             "chi_uncertainty": effect.chi_apart,
-            if finer { "twice_the_mesh" } else { "half_the_mesh" }: merged(on(&effect.numerics), there),
+            "twice_the_mesh": merged(on(&effect.finer), there),
         })
     });
-    merged(noise, mesh)
+    merged(settled, merged(noise, mesh))
 }
 
 /// The outcome of a division in one word.
@@ -209,7 +219,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     }
     // Results from a stationary shape are given only in natural units.
     let units = if until.is_some() { Units::default() } else { context.units };
-    print_as(context.json, &document(&input, &units, until, &found), || text(&input.cell, &units, &found))
+    print_as(context.json, &document(&input.cell, &units, until, &found), || text(&input.cell, &units, &found))
 }
 
 /// The page with the movie of an axisymmetric division.
@@ -256,7 +266,7 @@ fn without_axis(
     }
     let document = || {
         merged(
-            document(input, &context.units, None, &found),
+            document(&input.cell, &context.units, None, &found),
             film.as_ref().map_or(Value::Null, |film| neck_report(&film.found)),
         )
     };
@@ -281,12 +291,7 @@ fn resolved_cue(cell: &Cell) -> Option<Cue> {
 }
 
 /// The result as JSON: the cell, the first replicate, and all replicates.
-fn document(
-    DivisionInput { cell, numerics, .. }: &DivisionInput,
-    units: &Units,
-    until: Option<f64>,
-    found: &Divisions,
-) -> Value {
+fn document(cell: &Cell, units: &Units, until: Option<f64>, found: &Divisions) -> Value {
     let Divisions { replicates, undecided, .. } = found;
     let (first, Cell { r0, epsilon, xi_s, cue, .. }) = (&replicates[0], cell);
     let start = filled(json!({
@@ -301,7 +306,7 @@ fn document(
         json!(first),
         json!({ "replicates": replicates }),
         json!(Statistics::of(replicates.iter().map(|one| &one.division))),
-        effects(found, numerics),
+        effects(found),
         json!({ "undecided": undecided }),
     ];
     let of_cell = json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue, "resolved_cue": resolved_cue(cell) });
@@ -313,13 +318,12 @@ fn document(
 fn divide(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Divisions, CliError> {
     let memo = context.memo()?;
     if args.replicates == 1 {
-        // The division takes longest and starts first.
-        let inputs = Checked::inputs(input).map_or(vec![input.clone()], Vec::from);
-        solve_ahead(inputs, input, &memo, context)?;
-        if let Some(Checked { division, noise, mesh }) = Checked::of_known(input, &memo) {
-            let replicates = vec![Replicate { seed: input.seed, division, perturbation: None }];
-            return Ok(Divisions { replicates, undecided: 0, noise: Some(noise), mesh: Some(mesh) });
+        solve_ahead(std::iter::once(input.clone()).chain(first_check(input)), input, &memo, context)?;
+        if let Some(settled) = Settled::of_known(input, &memo) {
+            let first = Replicate { seed: input.seed, division: settled.division.clone(), perturbation: None };
+            return Ok(Divisions { replicates: vec![first], settled: Some(settled), ..Divisions::default() });
         }
+        // The refined division takes longest and starts first.
         solve_ahead(input.refined().into_iter().chain([next_seed(input)]), input, &memo, context)?;
     }
     // The second replicate shows whether the noise matters.
@@ -418,7 +422,7 @@ fn at_least_one(solved: Vec<Replicate>, mut failed: Vec<(u64, CliError)>) -> Res
     for (seed, error) in &failed {
         messages::warning!("the replicate of seed {seed} is left out: {error}");
     }
-    Ok(Divisions { replicates: solved, undecided: failed.len(), noise: None, mesh: None })
+    Ok(Divisions { replicates: solved, undecided: failed.len(), ..Divisions::default() })
 }
 
 fn text(cell: &Cell, units: &Units, found: &Divisions) -> String {

@@ -1,43 +1,48 @@
 //! Whether the noise or the mesh decides how a cell divides.
 //!
-//! A division is compared with one of another seed, and with one on another mesh. Half the mesh with four times the tolerance in time
-//! takes half the work, and the difference in χ was at least as large as to twice the mesh in nine of ten random cells, and twelve
-//! times as large in the median. Where both comparisons on half the mesh show no difference, nothing more is solved; otherwise the
-//! other seed is solved on the cell's own mesh, and the division on twice the mesh.
+//! A first check costs little: the division with another seed on half the mesh, with four times the tolerance in time. If it agrees
+//! with the division, neither decides. Otherwise the two effects are computed separately, with the other seed on the cell's own mesh
+//! and with the cell's own seed on twice the mesh.
 
 use super::memo::{Failure, Memo};
 use super::scheduler::{SchedulerError, SchedulerOptions, solve_all};
 use super::solve::solve;
-use furrow_cell::{Cell, Numerics};
+use furrow_cell::Numerics;
 use furrow_mechanics::division::outcome::NOISE_TOLERANCE;
 use furrow_mechanics::division::{Division, DivisionInput};
 
-/// A division, and what the noise and the mesh change about it.
-#[derive(Clone, Debug)]
-pub struct Checked {
-    /// The division.
-    pub division: Division,
-    /// The effect of the noise.
-    pub noise: NoiseEffect,
-    /// The effect of the mesh.
-    pub mesh: MeshEffect,
+/// The same division with the next seed.
+pub fn next_seed(input: &DivisionInput) -> DivisionInput {
+    DivisionInput { seed: input.seed.wrapping_add(1), ..input.clone() }
 }
 
-impl Checked {
-    /// The division, and those on half the mesh with its seed and the next one; `None` if half the mesh is too coarse for a division.
-    pub fn inputs(input: &DivisionInput) -> Option<[DivisionInput; 3]> {
-        let half = input.coarsened()?;
-        Some([input.clone(), half.clone(), next_seed(&half)])
-    }
+/// The division of the first check; `None` if half the mesh is too coarse for a division.
+pub fn first_check(input: &DivisionInput) -> Option<DivisionInput> {
+    input.coarsened().map(|half| next_seed(&half))
+}
 
-    /// Compares the three divisions of [`Checked::inputs`] if the memo has them; `None` if it lacks one, or if they differ so much
-    /// that finer ones must decide.
-    pub fn of_known(input: &DivisionInput, memo: &Memo) -> Option<Checked> {
-        let [_, half, next] = Checked::inputs(input)?;
-        let [division, of_half, other] = [memo.known(input)?, memo.known(&half)?, memo.known(&next)?];
-        let noise = NoiseEffect::of(&half, &of_half, [(next.seed, &other)]).filter(|noise| !noise.decides)?;
-        let mesh = MeshEffect::between(&division, Ok(of_half), &half);
-        mesh.is_none(&division, &input.cell).then_some(Checked { division, noise, mesh })
+/// A division that neither the noise nor the mesh decides.
+#[derive(Clone, Debug)]
+pub struct Settled {
+    /// The division.
+    pub division: Division,
+    /// The input of the [`first_check`].
+    pub check: DivisionInput,
+    /// Its division.
+    pub other: Division,
+    /// The difference in χ, if both divide.
+    pub chi_apart: Option<f64>,
+}
+
+impl Settled {
+    /// The division of `input` if the memo has it and the [`first_check`], and both end alike with χ within the [`NOISE_TOLERANCE`].
+    pub fn of_known(input: &DivisionInput, memo: &Memo) -> Option<Settled> {
+        let check = first_check(input)?;
+        let [division, other] = [memo.known(input)?, memo.known(&check)?];
+        let parity = input.cell.is_mirror_symmetric();
+        let chi_apart = division.chi_apart(&other, parity);
+        let agrees = division.agrees_with(&other, parity) && chi_apart.is_none_or(|apart| apart <= NOISE_TOLERANCE);
+        agrees.then_some(Settled { division, check, other, chi_apart })
     }
 }
 
@@ -48,8 +53,6 @@ pub struct NoiseEffect {
     pub seed: u64,
     /// The division with this seed.
     pub other: Division,
-    /// The numerics of both divisions.
-    pub numerics: Numerics,
     /// Whether the seed changes more than the side of the furrow.
     pub decides: bool,
 }
@@ -66,15 +69,15 @@ impl NoiseEffect {
         let first = others.peek().copied();
         let found = others.find(|(_, other)| differs(other));
         let (seed, other) = found.or(first)?;
-        Some(NoiseEffect { seed, other: other.clone(), numerics: input.numerics, decides: found.is_some() })
+        Some(NoiseEffect { seed, other: other.clone(), decides: found.is_some() })
     }
 }
 
-/// The effect of another mesh, and of another tolerance in time, on a division.
+/// The effect of twice the mesh, with a quarter of the tolerance in time, on a division.
 #[derive(Clone, Debug)]
 pub struct MeshEffect {
-    /// The other mesh and tolerance.
-    pub numerics: Numerics,
+    /// The finer mesh and tolerance.
+    pub finer: Numerics,
     /// The division with these, or the reason why there is none.
     pub other: Result<Division, Failure>,
     /// Whether it disagrees with the division on the given mesh.
@@ -84,7 +87,7 @@ pub struct MeshEffect {
 }
 
 impl MeshEffect {
-    /// The effect on the division of `input`: from half the mesh if this shows no difference, otherwise from twice the mesh.
+    /// The effect on the division of `input`; `None` if no mesh may be so fine, or if the run was interrupted.
     ///
     /// # Errors
     /// [`SchedulerError`] if no workers can be started.
@@ -94,73 +97,51 @@ impl MeshEffect {
         memo: &Memo,
         options: &SchedulerOptions<'_>,
     ) -> Result<Option<MeshEffect>, SchedulerError> {
-        for (other, suffices) in [(input.coarsened(), true), (input.refined(), false)] {
-            let Some(other) = other else { continue };
-            let mut found = solve_all([other.clone()], memo, options, solve)?;
-            let result = match (found.divisions.pop().flatten(), found.unsolved.pop()) {
-                (Some(division), _) => Ok(division),
-                (None, Some(job)) => Err(job.failure),
-                // Interrupted.
-                (None, None) => return Ok(None),
-            };
-            let effect = MeshEffect::between(division, result, &other);
-            if !suffices || effect.is_none(division, &input.cell) {
-                return Ok(Some(effect));
-            }
-        }
-        Ok(None)
-    }
-
-    fn between(division: &Division, other: Result<Division, Failure>, input: &DivisionInput) -> MeshEffect {
-        let parity = input.cell.is_mirror_symmetric();
+        let Some(refined) = input.refined() else { return Ok(None) };
+        let (parity, finer) = (input.cell.is_mirror_symmetric(), refined.numerics);
+        let mut found = solve_all([refined], memo, options, solve)?;
+        let other = match (found.divisions.pop().flatten(), found.unsolved.pop()) {
+            (Some(division), _) => Ok(division),
+            (None, Some(job)) => Err(job.failure),
+            (None, None) => return Ok(None),
+        };
         let decides = other.as_ref().map_or(true, |other| division.depends_on_numerics(other, parity));
         let chi_apart = other.as_ref().ok().and_then(|other| division.chi_apart(other, parity));
-        MeshEffect { numerics: input.numerics, other, decides, chi_apart }
+        Ok(Some(MeshEffect { finer, other, decides, chi_apart }))
     }
-
-    /// Whether both divisions end alike, with χ within the [`NOISE_TOLERANCE`].
-    fn is_none(&self, division: &Division, cell: &Cell) -> bool {
-        self.chi_apart.is_none_or(|apart| apart <= NOISE_TOLERANCE)
-            && self.other.as_ref().is_ok_and(|other| division.agrees_with(other, cell.is_mirror_symmetric()))
-    }
-}
-
-/// The same division with the next seed.
-pub fn next_seed(input: &DivisionInput) -> DivisionInput {
-    DivisionInput { seed: input.seed.wrapping_add(1), ..input.clone() }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::batch::Quantisation;
+    use furrow_cell::Cell;
 
-    /// A memo with the divisions that [`Checked::of_known`] compares.
+    /// A memo with the division of `input` and its first check.
     fn solved(input: &DivisionInput) -> Memo {
         let memo = Memo::new(Quantisation::DEFAULT);
-        solve_all(Checked::inputs(input).unwrap(), &memo, &SchedulerOptions::default(), solve).unwrap();
+        let inputs = [input.clone(), first_check(input).unwrap()];
+        solve_all(inputs, &memo, &SchedulerOptions::default(), solve).unwrap();
         memo
     }
 
     #[test]
-    fn half_the_mesh_suffices_for_a_cell_with_one_furrow() {
+    fn the_first_check_suffices_for_a_cell_with_one_furrow() {
         let input = DivisionInput::new(Cell::new(2.5));
-        assert!(Checked::of_known(&input, &Memo::new(Quantisation::DEFAULT)).is_none());
-        let memo = solved(&input);
-        let Checked { division, noise, mesh } = Checked::of_known(&input, &memo).unwrap();
-        assert!(!noise.decides && !mesh.decides && mesh.numerics.intervals == 24);
-        let found = MeshEffect::of(&input, &division, &memo, &SchedulerOptions::default()).unwrap().unwrap();
-        assert_eq!((found.numerics, found.chi_apart), (mesh.numerics, mesh.chi_apart));
+        assert!(Settled::of_known(&input, &Memo::new(Quantisation::DEFAULT)).is_none());
+        let found = Settled::of_known(&input, &solved(&input)).unwrap();
+        assert_eq!((found.check.seed, found.check.numerics.intervals), (1, 24));
+        assert!(found.chi_apart.unwrap() < 1e-3);
     }
 
     #[test]
-    fn twice_the_mesh_decides_where_two_furrows_compete() {
+    fn seeds_decide_where_two_furrows_compete() {
         let input = DivisionInput::new(Cell::new(5.6));
         let memo = solved(&input);
-        assert!(Checked::of_known(&input, &memo).is_none());
+        assert!(Settled::of_known(&input, &memo).is_none());
         let [division, other] = [&input, &next_seed(&input)].map(|one| memo.solve(one, solve).unwrap());
         let mesh = MeshEffect::of(&input, &division, &memo, &SchedulerOptions::default()).unwrap().unwrap();
-        assert!(!mesh.decides && mesh.numerics.intervals == 96);
+        assert!(!mesh.decides && mesh.finer.intervals == 96);
         assert!(NoiseEffect::of(&input, &division, [(1, &other)]).unwrap().decides);
     }
 }
