@@ -136,16 +136,16 @@ fn effects(found: &Divisions) -> Value {
     let division =
         |one: &Division| filled(json!({ "outcome": one.outcome(), "chi": one.chi(), "u_furrow": one.u_furrow() }));
     let with_seed = |seed: u64, one: &Division| merged(json!({ "seed": seed }), division(one));
-    let settled = found.settled.as_ref().map_or(Value::Null, |Settled { check, other, chi_apart, .. }| {
-        json!({
+    if let Some(Settled { check, other, chi_apart, .. }) = &found.settled {
+        return json!({
             "depends_on_noise": false,
             "depends_on_mesh": false,
             "chi_uncertainty": chi_apart,
             "other_seed": merged(with_seed(check.seed, other), on(&check.numerics)),
-        })
-    });
-    let noise = found.noise.as_ref().map_or(
-        Value::Null,
+        });
+    }
+    let noise = found.noise.as_ref().map_or_else(
+        || json!({}),
         |effect| json!({ "depends_on_noise": effect.decides, "other_seed": with_seed(effect.seed, &effect.other) }),
     );
     let mesh = found.mesh.as_ref().map_or(Value::Null, |effect| {
@@ -156,7 +156,7 @@ fn effects(found: &Divisions) -> Value {
             "twice_the_mesh": merged(on(&effect.finer), there),
         })
     });
-    merged(settled, merged(noise, mesh))
+    merged(noise, mesh)
 }
 
 /// The outcome of a division in one word.
