@@ -453,7 +453,7 @@ class Cell:
         threads: SupportsIndex | None = None,
         progress: Progress = None,
     ) -> Phase:
-        """Maps outcomes over a parameter and ξ_s: rest from the exact edges of stable shapes, χ from divisions elsewhere.
+        """Maps outcomes over a parameter and ξ_s: the exact edges of stable shapes, and χ from divisions.
 
         ``vary`` names the parameter, which has ``points`` values from ``first`` to ``last``; ξ_s has ``xi_points`` from the first
         to the last value of ``xi_s``. ``seed``, ``memo``, ``threads`` and ``progress`` are those of :meth:`divide`.

@@ -88,7 +88,7 @@ enum Command {
     /// exists, κ follows P as a step, and the cell divides with this cue. For each cell of the germline the command prints the boundary,
     /// and χ next to the measured χ. It also prints the smallest polarised cell and the smallest cell that divides.
     Polarity(Deferred<polarity::PolarityArgs>),
-    /// Maps outcomes over a parameter and ξ_s: rest from the exact edges of stable shapes, χ from divisions elsewhere
+    /// Maps outcomes over a parameter and ξ_s: the exact edges of stable shapes, and χ from divisions
     Phase(Deferred<phase::PhaseArgs>),
     /// Computes divisions, trees, pitchforks or critical radii over axes of parameters
     ///
@@ -246,6 +246,9 @@ fn one_file_twice(matches: &clap::ArgMatches, options: &[String]) -> Option<Stri
     for name in written {
         let Ok(Some(mut values)) = matches.try_get_raw(name) else { continue };
         let Some(file) = values.next() else { continue };
+        if let Some(clash) = file_that_is_read(matches, name, Path::new(file)) {
+            return Some(clash);
+        }
         let file: PathBuf = Path::new(file).components().filter(|part| *part != Component::CurDir).collect();
         if let Some((other, _)) = named.iter().find(|(_, known)| *known == file) {
             return Some(format!("--{other} and --{name} both write {}: give each a file of its own", file.display()));
@@ -253,6 +256,16 @@ fn one_file_twice(matches: &clap::ArgMatches, options: &[String]) -> Option<Stri
         named.push((name, file));
     }
     None
+}
+
+/// The error if the file that an option writes exists and is also the value of an option or argument that is read.
+fn file_that_is_read(matches: &ArgMatches, option: &str, file: &Path) -> Option<String> {
+    let written = file.canonicalize().ok().filter(|file| file.is_file())?;
+    let read = matches.ids().filter(|id| !WRITTEN.contains(&id.as_str()));
+    let mut values = read.filter_map(|id| matches.try_get_raw(id.as_str()).ok().flatten()).flatten();
+    values
+        .any(|value| Path::new(value).canonicalize().is_ok_and(|value| value == written))
+        .then(|| format!("--{option} would replace {}, which this command reads: give it another name", file.display()))
 }
 
 /// Makes a write beyond the limit on file sizes fail like a write to a full disk. Without a handler the signal would kill the process
