@@ -38,6 +38,8 @@ use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand}
 use context::{Context, Globals};
 pub use error::CliError;
 use std::borrow::Cow;
+use std::cell::RefCell;
+use std::ffi::OsString;
 use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
 
@@ -147,7 +149,12 @@ enum Command {
     Completions(Deferred<completions::CompletionsArgs>),
 }
 
-/// The arguments of a command, defined only if it is named, or if all of them are shown.
+thread_local! {
+    /// The only command whose arguments are defined, to save time; without a name those of all commands are.
+    static NAMED: RefCell<Option<OsString>> = const { RefCell::new(None) };
+}
+
+/// The arguments of a command. clap's own deferral would put them behind the global options in the help.
 #[derive(Debug)]
 struct Deferred<T>(T);
 
@@ -161,7 +168,8 @@ impl<T> std::ops::Deref for Deferred<T> {
 
 impl<T: Args> Args for Deferred<T> {
     fn augment_args(command: clap::Command) -> clap::Command {
-        command.defer(|command| with_negative_numbers(T::augment_args(command)))
+        let is_other = |named: &Option<OsString>| named.as_ref().is_some_and(|named| named != command.get_name());
+        if NAMED.with_borrow(is_other) { command } else { T::augment_args(command) }
     }
 
     fn augment_args_for_update(command: clap::Command) -> clap::Command {
@@ -215,10 +223,14 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
 /// Parses the arguments. clap copies the global options into each registered command; if the first argument is a command, only this
 /// command is registered, to save time. The names of the command's options are added to `options`.
 fn parse(options: &mut Vec<String>) -> Result<(Globals, Command), clap::Error> {
-    let commands = Command::augment_subcommands(clap::Command::default());
-    let named = std::env::args_os().nth(1).and_then(|name| commands.find_subcommand(name).cloned());
-    let known = match named {
-        Some(named) => Cli::command().subcommand(named),
+    let first = std::env::args_os().nth(1);
+    let known = match first.filter(|name| name.to_str().is_some_and(Command::has_subcommand)) {
+        Some(name) => {
+            NAMED.set(Some(name.clone()));
+            let commands = Command::augment_subcommands(clap::Command::default());
+            NAMED.set(None);
+            Cli::command().subcommands(commands.find_subcommand(name).cloned())
+        }
         None => command(),
     };
     let mut known = with_negative_numbers(known);
