@@ -73,7 +73,11 @@ pub fn divide(
 pub fn checks(py: Python<'_>, inputs: &Inputs, memo: &Memo, seed: u64, threads: usize) -> Result<Document, Error> {
     let input = inputs.division(seed)?;
     if input.numerics.modes > 0 {
-        return Err(Error::not_allowed("modes", input.numerics.modes, "0: the checks are of divisions with axial symmetry"));
+        return Err(Error::not_allowed(
+            "modes",
+            input.numerics.modes,
+            "0: the checks are of divisions with axial symmetry",
+        ));
     }
     let (of_call, memo) = (memo, memo.solved()?);
     let found = supervised(py, Interrupt::Abandons, None, move |watch| {
