@@ -46,32 +46,33 @@ class Solution:
     """A solution of a boundary-value problem, as an object of :func:`scipy.integrate.solve_bvp` where names are the same.
 
     ``found["x"]`` is ``found.x``. It can be pickled and copied.
+
+    ``x``: Nodes of the mesh; (m,).
+    ``y``: Values at the nodes; (n, m).
+    ``yp``: Slopes at the nodes; (n, m).
+    ``p``: Scalar unknowns; None for a problem without them.
+    ``rms_residuals``: Root of the mean square of (y' - f)/(1 + abs(f)) on every interval, summed over the components; (m - 1,).
+    ``defect``: Largest defect abs(y' - f) h / (1 + abs(y)).
+    ``condition``: An estimate, from below, of how much the solution changes per change of the equations.
+    ``error``: Estimated error abs(dy) / (1 + abs(y)) where ``error_tol`` bounds it; None otherwise.
+    ``niter``: Iterations of Newton's method on all meshes.
+    ``status``: 0; a call without a solution raises an error.
+    ``message``: The message of SciPy for this status.
+    ``success``: True.
     """
 
-    #: Nodes of the mesh; (m,).
     x: NDArray[np.float64]
-    #: Values at the nodes; (n, m).
     y: NDArray[np.float64]
-    #: Slopes at the nodes; (n, m).
     yp: NDArray[np.float64]
-    #: Scalar unknowns; None for a problem without them.
     p: NDArray[np.float64] | None
-    #: Root of the mean square of (y' - f)/(1 + abs(f)) on every interval, summed over the components; (m - 1,).
     rms_residuals: NDArray[np.float64]
-    #: Largest defect abs(y' - f) h / (1 + abs(y)).
     defect: float
-    #: An estimate, from below, of how much the solution changes per change of the equations.
     condition: float
-    #: Estimated error abs(dy) / (1 + abs(y)) where ``error_tol`` bounds it; None otherwise.
     error: float | None
-    #: Iterations of Newton's method on all meshes.
     niter: int
     _collocation: Collocation
-    #: 0: a call without a solution raises an error.
     status: int = 0
-    #: The message of SciPy for this status.
     message: str = "The algorithm converged to the desired accuracy."
-    #: Whether a solution was found, which it was.
     success: bool = True
 
     def sol(self, x: ArrayLike, nu: SupportsIndex = 0) -> NDArray[np.float64]:
@@ -120,13 +121,18 @@ def solve_bvp(
     The singular term is left out without ``S``, a matrix of shape (n, n). ``fun`` and ``fun_jac`` do not have it. A solution is
     regular at a if S y(a) = 0. The conditions must imply this: unlike SciPy, furrow does not project y(a).
 
-    ``tol`` bounds the defect, and ``max_nodes`` the nodes of the mesh: at most 1000000, and 16000000/n^2 for many components.
+    ``tol`` bounds the defect, and ``max_nodes`` the nodes of the mesh: at most 1000000, and 16000000/n^2 for many components. By
+    default ``tol`` is smaller, and ``max_nodes`` larger, than in SciPy. Both the defect and the error are relative above 1 and
+    absolute below: scale unknowns that are small throughout.
     ``error_tol`` bounds the estimated error abs(dy) / (1 + abs(y)) of every component as well; a second solution, on halved
     intervals, estimates it and is returned.
     With ``verbose`` 1 or 2 a line is printed at the end. ``bc_tol`` is taken for SciPy's sake and not needed: the conditions are
     solved as accurately as Newton's method solves the equations.
 
     A problem with several solutions gives another one for each call if those found before are passed as ``besides``.
+
+    A problem is called singular if the condition at its solution is above 1e12, or grows without bound on halved intervals:
+    it then has a family of solutions or none. An iterate that approaches such a solution from a rough guess gets the same message.
 
     Raises :class:`furrow.NoOutcome` if no solution is found, :class:`furrow.InputError` for arguments that do not fit, and the
     exceptions of the functions.
