@@ -132,7 +132,7 @@ def solve_bvp(
     A problem with several solutions gives another one for each call if those found before are passed as ``besides``.
 
     A problem is called singular if the condition at its solution is above 1e12, or grows without bound on halved intervals:
-    it then has a family of solutions or none. An iterate that approaches such a solution from a rough guess gets the same message.
+    it then has a family of solutions or none. An iterate that approaches one from a rough guess gets the same message.
 
     Raises :class:`furrow.NoOutcome` if no solution is found, :class:`furrow.InputError` for arguments that do not fit, and the
     exceptions of the functions.
