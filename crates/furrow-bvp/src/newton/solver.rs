@@ -414,10 +414,7 @@ impl Run<'_> {
         }
         let apart = apart(&self.system.gauss, &solved, &finer).max(relative(&y.scalars, &finer.scalars));
         let (defects, slopes) = self.defects(&finer);
-        // Newton's last factors may belong to an iterate before a nearly singular solution.
-        self.work.factorisations += 1;
-        let factorised = self.system.factorise(self.problem, &finer, &[]).is_ok();
-        let condition = if factorised { condition::estimate(&mut self.system, &finer) } else { f64::INFINITY };
+        let condition = condition::estimate(&mut self.system, &finer);
         // A solution may approach one that leaves a scalar free, such as rest where a period is sought.
         if condition > singular(&finer) {
             return Err(SolveError::Singular { condition, intervals });

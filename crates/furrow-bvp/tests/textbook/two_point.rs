@@ -335,3 +335,33 @@ fn a_large_condition_that_settles_is_no_singularity() {
         assert!((at[0] - 1.5).abs() < 1e-5, "{tolerance:.0e}: {at:?}");
     }
 }
+
+/// A dead core: u″ = 48 √max(u, 0) with u′(0) = 0 and u(1) = 1 has u = (2x − 1)⁴ beyond x = ½ and 0 before it. Newton's method stalls
+/// near the tolerance, since the derivative of f is infinite where u reaches 0.
+#[test]
+fn a_dead_core_is_solved_to_the_tolerance() {
+    let grid = mesh::uniform(0.0, 1.0, 10);
+    let line: [f64; 11] = std::array::from_fn(|i| grid[i]);
+    for guess in [[1.0; 11], line] {
+        let solved = solve_bvp(
+            |_, y: &[Jet], _, f: &mut [Jet]| {
+                f[0] = y[1];
+                f[1] = if y[0].re > 0.0 { y[0].sqrt() * 48.0 } else { y[0] * 0.0 };
+            },
+            |ya, yb, _, r| {
+                r[0] = ya[1];
+                r[1] = yb[0] - 1.0;
+            },
+            &grid,
+            &[&guess, &[0.0; 11]],
+            &[],
+            &Settings { tolerance: 1e-3, ..Settings::default() },
+        )
+        .unwrap();
+        let found = solved.solution;
+        for (i, x) in found.mesh.iter().enumerate() {
+            let exact = (2.0 * x - 1.0).max(0.0).powi(4);
+            assert!((found.node(i)[0] - exact).abs() < 1e-4, "{x}: {} {exact}", found.node(i)[0]);
+        }
+    }
+}
