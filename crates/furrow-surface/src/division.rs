@@ -211,7 +211,7 @@ pub fn start(cell: &Cell, plates: Plates, numerics: &Numerics) -> Result<(Proble
         problem.plates = plates.factors(flattening);
         problem
             .settle(&mut state, Problem::wanted_density, &mut Work::default())
-            .map_err(|source| stalled(cell.r0, [0.0, 0.0, 1.0], source.to_string()))?;
+            .map_err(|source| DivisionError::NoPassiveSurface { r0: cell.r0, reason: source.to_string() })?;
     }
     problem.constants = Constants::new(cell, |_, value| value);
     Ok((problem, state))
