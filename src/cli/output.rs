@@ -49,8 +49,7 @@ pub fn print_usage(error: &clap::Error) -> Result<(), CliError> {
 }
 
 /// Endings of the names of files.
-const FILES: [&str; 13] =
-    ["csv", "tsv", "txt", "json", "svg", "pdf", "png", "gif", "html", "obj", "stl", "ply", "glb"];
+const FILES: [&str; 13] = ["csv", "tsv", "txt", "json", "svg", "pdf", "png", "gif", "html", "obj", "stl", "ply", "glb"];
 
 /// Whether a path that is no folder yet has the name of a file: no folder of this name should be made.
 pub fn named_as_file(path: &Path) -> bool {
@@ -66,7 +65,13 @@ pub fn writable_folder<'a>(
 ) -> Result<(), InputError> {
     let Some(folder) = folder.into() else { return Ok(()) };
     let allowed = "a folder; this is the name of a file";
-    InputError::require(!named_as_file(folder), option, option.trim_start_matches('-'), format!("{folder:?}"), allowed)?;
+    InputError::require(
+        !named_as_file(folder),
+        option,
+        option.trim_start_matches('-'),
+        format!("{folder:?}"),
+        allowed,
+    )?;
     check_folder(folder, names).map_err(|error| not_writable(option, folder, "a folder that can be written to", &error))
 }
 
