@@ -495,7 +495,9 @@ pub fn boundary_and_folds(
 /// The error if no curve can be followed from either end of a range; `error` belongs to the first end.
 fn no_end(error: ShapeError, parameter: Parameter, to: f64) -> ShapeError {
     match error {
-        ShapeError::NotFound { .. } | ShapeError::TurnsBack { .. } => ShapeError::NoEnd { source: Box::new(error), parameter, to },
+        ShapeError::NotFound { .. } | ShapeError::TurnsBack { .. } => {
+            ShapeError::NoEnd { source: Box::new(error), parameter, to }
+        }
         error => error,
     }
 }
