@@ -44,7 +44,7 @@ fn a_bent_state_without_a_waist_has_an_offset() {
     let rest = found.rest.unwrap();
     assert!(!rest.has_waist());
     let expected = branch(&cell, &coarse(), 30.0).unwrap().threshold;
-    // The offset is that of the mean over the ring's length, the bend that of the mean over φ.
+    // The offset weights the ring by its length, the bend by φ.
     let bend = ((cell.xi_s - expected.xi_s) / expected.coefficient).sqrt();
     within("bend", (rest.offset() / cell.r0 / bend - 1.0).abs(), 0.3);
     let straight = stationary(&cell, &Numerics::default()).unwrap();
