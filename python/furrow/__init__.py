@@ -25,7 +25,7 @@ from ._hypotheses import Hypotheses, test
 from ._memo import memo, use_store
 from ._observed import export_observed
 from ._results import PLACE_COLUMNS, Contour, Division, Frame, Frames, Replicates
-from ._shapes import Boundary, CriticalRadius, Perturbation, Perturbations, Phase, Polarity, polarity
+from ._shapes import Boundary, Checks, CriticalRadius, Perturbation, Perturbations, Phase, Polarity, polarity
 from ._solve import solve
 from ._studies import Calibration, Constants, Front, Ranges, calibrate, ensemble, front
 from ._surfaces import Neck, Surface, SurfaceFrame, Surfaces
@@ -38,6 +38,7 @@ __all__ = [
     "Branch",
     "Calibration",
     "Cell",
+    "Checks",
     "Constants",
     "Contour",
     "CriticalRadius",

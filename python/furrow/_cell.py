@@ -28,7 +28,7 @@ from ._errors import InputError
 from ._memo import memo_of
 from ._progress import Progress, shown
 from ._results import Contour, Division, Frames, Replicates, division
-from ._shapes import Boundary, CriticalRadius, Perturbation, Perturbations, Phase
+from ._shapes import Boundary, Checks, CriticalRadius, Perturbation, Perturbations, Phase
 from ._surfaces import Neck, Surfaces, surface
 from ._tables import fixed, html_table
 from ._tables import shown as shown_value
@@ -340,6 +340,20 @@ class Cell:
             return division(self, first, solved[0][1], frames=self._frames(first, frames, places))
         return Replicates(tuple(division(self, seed, record) for seed, record in solved), dict(undecided))
 
+    def checks(
+        self, seed: SupportsIndex = 0, *, memo: Memo | None = None, threads: SupportsIndex | None = None
+    ) -> Checks:
+        """Checks whether the noise or the mesh decides the division of :meth:`divide` with this ``seed``, as ``furrow divide`` does
+        for every cell: it computes the division with another seed on half the mesh, and if this differs, also on the cell's own mesh
+        and with its own seed on twice the mesh. ``memo`` and ``threads`` are those of :meth:`divide`.
+
+        >>> import furrow
+        >>> furrow.Cell(2.5).checks().depends_on_noise, furrow.Cell(5.6).checks().depends_on_noise
+        (False, True)
+        """
+        found = _furrow.checks(self._inputs, memo_of(memo), seed_of(seed), threads_of(threads))
+        return Checks(cell=self, **found)
+
     def movie(
         self,
         path: str | os.PathLike[str],
@@ -453,7 +467,7 @@ class Cell:
         threads: SupportsIndex | None = None,
         progress: Progress = None,
     ) -> Phase:
-        """Maps outcomes over a parameter and ξ_s: rest from the exact edges of stable shapes, χ from divisions elsewhere.
+        """Maps outcomes over a parameter and ξ_s: the exact edges of stable shapes, and χ from divisions.
 
         ``vary`` names the parameter, which has ``points`` values from ``first`` to ``last``; ξ_s has ``xi_points`` from the first
         to the last value of ``xi_s``. ``seed``, ``memo``, ``threads`` and ``progress`` are those of :meth:`divide`.

@@ -81,6 +81,27 @@ class CriticalRadius(Result):
 
 
 @dataclass(frozen=True, eq=False)
+class Checks(Result):
+    """What the noise and the mesh change about a division.
+
+    ``depends_on_noise``: Whether another seed changes more than the side of the furrow; None if its division failed.
+    ``depends_on_mesh``: Whether twice the mesh with a quarter of the time tolerance changes the outcome, or χ by more than
+    0.005; None if so fine a mesh is not allowed.
+    ``chi_uncertainty``: Difference in χ to twice the mesh, or to the ``other_seed``; None unless both divide.
+    ``other_seed``: The division with another seed: ``seed``, ``outcome``, ``chi``, ``u_furrow``. If neither noise nor mesh
+    decides, it is on half the mesh, and has ``intervals`` and ``time_tolerance``.
+    ``twice_the_mesh``: The division on twice the mesh, if it was needed.
+    """
+
+    cell: Cell = field(repr=False)
+    depends_on_noise: bool | None = None
+    depends_on_mesh: bool | None = None
+    chi_uncertainty: float | None = None
+    other_seed: dict[str, Any] | None = None
+    twice_the_mesh: dict[str, Any] | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class Perturbation(Result):
     """A stationary shape that was disturbed.
 

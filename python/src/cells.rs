@@ -4,14 +4,15 @@ use furrow_analysis::Diagram;
 use furrow_analysis::bent::diagram_with_bent;
 use furrow_analysis::diagram;
 use furrow_formats::frames::{COLUMNS, check_step, row, stills};
-use furrow_lineage::batch::{Replicates, SchedulerOptions, replicates};
+use furrow_lineage::batch::checks::{Checked, checked};
+use furrow_lineage::batch::{Replicates, SchedulerError, SchedulerOptions, replicates};
 use furrow_mechanics::cortex::Wall;
 use furrow_mechanics::cortex::forces::{Place, profile};
 use furrow_mechanics::division::{Snapshot, Trajectory};
 use furrow_mechanics::equilibria::{BranchEnd, BranchOptions, ShapePoint, pitchfork as pitchforks, stationary};
 use furrow_report::surfaces::bent_report;
 use furrow_report::{
-    AzimuthalStability, crossing_report, event_report, hopf_report, stationary_report, threshold_report,
+    AzimuthalStability, checks_report, crossing_report, event_report, hopf_report, stationary_report, threshold_report,
 };
 use furrow_surface::bent::BentBranch;
 use numpy::{PyArray1, PyArrayMethods};
@@ -65,6 +66,34 @@ pub fn divide(
         Document::of(&(divisions, undecided.collect::<Vec<(u64, String)>>()))
     });
     of_call.warned(py, found)
+}
+
+/// What the noise and the mesh change about a division: another seed on half the mesh, or the two effects separately.
+#[pyfunction]
+pub fn checks(py: Python<'_>, inputs: &Inputs, memo: &Memo, seed: u64, threads: usize) -> Result<Document, Error> {
+    let input = inputs.division(seed)?;
+    if input.numerics.modes > 0 {
+        return Err(Error::not_allowed(
+            "modes",
+            input.numerics.modes,
+            "0: the checks are of divisions with axial symmetry",
+        ));
+    }
+    let (of_call, memo) = (memo, memo.solved()?);
+    let found = supervised(py, Interrupt::Abandons, None, move |watch| {
+        let found = watch.scheduled(threads, |options| checked(&input, &memo, options));
+        let Checked { effects, .. } = found.map_err(failed)?.ok_or(Error::Interrupted(0))?;
+        Ok(checks_report(&effects).into())
+    });
+    of_call.warned(py, found)
+}
+
+/// The error of a run of one division.
+fn failed(error: SchedulerError) -> Error {
+    match error {
+        SchedulerError::Unsolved { mut jobs, .. } if !jobs.is_empty() => jobs.remove(0).failure.into(),
+        error => error.into(),
+    }
 }
 
 /// A division with its shapes: its outcome, the columns of frames, where the places of each frame end in the columns of all places, and

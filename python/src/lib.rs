@@ -57,7 +57,7 @@ mod _furrow {
     #[pymodule_export]
     use crate::{
         bvp::solve_bvp,
-        cells::{branch, divide, film, pitchfork, steady},
+        cells::{branch, checks, divide, film, pitchfork, steady},
         collocation::Collocation,
         comparisons::{compare_contours, compare_counts, compare_volumes},
         drawings::{Drawing, draw_division, write_movie, write_shapes},

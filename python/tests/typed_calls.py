@@ -53,6 +53,7 @@ def cells(folder: Path) -> None:
     assert_type(branch["symmetric"].azimuthal, Floats | None)
     assert_type([crossing.m for crossing in branch.crossings or ()], list[int])
     assert_type(branch.folds, tuple[furrow.Event, ...])
+    assert_type(cell.checks(), furrow.Checks)
     assert_type(cell.critical_radius(), furrow.CriticalRadius)
     boundary = assert_type(cell.boundary("r0", 1.9, 2, folds=False, critical=True, azimuthal=1), furrow.Boundary)
     boundary.save(folder / "boundary.svg")

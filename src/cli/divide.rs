@@ -16,11 +16,10 @@ use furrow_formats::film::{self, check_path, write_film};
 use furrow_formats::frames::{self, FrameFiles, check_step, write_frames};
 use furrow_input::{InputError, rounded_number};
 use furrow_lineage::Units;
-use furrow_lineage::batch::checks::{MeshEffect, NoiseEffect, Settled, first_check, next_seed};
+use furrow_lineage::batch::checks::{Checked, Effects, MeshEffect, NoiseEffect, checked};
 use furrow_lineage::batch::memo::Solve;
 use furrow_lineage::batch::perturbations::perturbations;
-use furrow_lineage::batch::scheduler::solve_all;
-use furrow_lineage::batch::{self, Failure, Filming, Memo, replicates_by};
+use furrow_lineage::batch::{self, Failure, Filming, Memo, SchedulerError, replicates_by};
 use furrow_mechanics::division::{
     Division, DivisionInput, DivisionOptions, Ending, Frame, Recorder, Statistics, Trajectory,
 };
@@ -28,8 +27,8 @@ use furrow_mechanics::equilibria::azimuthal_threshold::one_sided_from;
 use furrow_mechanics::equilibria::stationary;
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
 use furrow_mechanics::polarity;
-use furrow_report::FilmPage;
 use furrow_report::surfaces::neck_report;
+use furrow_report::{FilmPage, checks_report};
 use furrow_surface::film::Film;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
@@ -103,10 +102,7 @@ struct Divisions {
     replicates: Vec<Replicate>,
     /// The number of failed replicates.
     undecided: usize,
-    /// The first division, if neither noise nor mesh decides it by the first check.
-    settled: Option<Settled>,
-    noise: Option<NoiseEffect>,
-    mesh: Option<MeshEffect>,
+    effects: Effects,
 }
 
 /// Describes the effect of the noise on `first`.
@@ -128,35 +124,6 @@ fn mesh_text(effect: &MeshEffect, first: &Division) -> String {
         "the mesh or the time steps decide {what}: {} with these, {there} with --set intervals={intervals} --set time_tolerance={time_tolerance}\n",
         found(first)
     )
-}
-
-/// The effects of noise and mesh, with the divisions behind them.
-fn effects(found: &Divisions) -> Value {
-    let on = |mesh: &Numerics| json!({ "intervals": mesh.intervals, "time_tolerance": mesh.time_tolerance });
-    let division =
-        |one: &Division| filled(json!({ "outcome": one.outcome(), "chi": one.chi(), "u_furrow": one.u_furrow() }));
-    let with_seed = |seed: u64, one: &Division| merged(json!({ "seed": seed }), division(one));
-    if let Some(Settled { check, other, chi_apart, .. }) = &found.settled {
-        return json!({
-            "depends_on_noise": false,
-            "depends_on_mesh": false,
-            "chi_uncertainty": chi_apart,
-            "other_seed": merged(with_seed(check.seed, other), on(&check.numerics)),
-        });
-    }
-    let noise = found.noise.as_ref().map_or_else(
-        || json!({}),
-        |effect| json!({ "depends_on_noise": effect.decides, "other_seed": with_seed(effect.seed, &effect.other) }),
-    );
-    let mesh = found.mesh.as_ref().map_or(Value::Null, |effect| {
-        let there = effect.other.as_ref().map_or_else(|failure| json!({ "why": failure.to_string() }), division);
-        json!({
-            "depends_on_mesh": effect.decides,
-            "chi_uncertainty": effect.chi_apart,
-            "twice_the_mesh": merged(on(&effect.finer), there),
-        })
-    });
-    merged(noise, mesh)
 }
 
 /// The outcome of a division in one word.
@@ -318,7 +285,7 @@ fn document(cell: &Cell, units: &Units, until: Option<f64>, found: &Divisions) -
         json!(first),
         json!({ "replicates": replicates }),
         json!(Statistics::of(replicates.iter().map(|one| &one.division))),
-        effects(found),
+        checks_report(&found.effects),
         json!({ "undecided": undecided }),
     ];
     let of_cell = json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue, "resolved_cue": resolved_cue(cell) });
@@ -330,47 +297,31 @@ fn document(cell: &Cell, units: &Units, until: Option<f64>, found: &Divisions) -
 fn divide(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Divisions, CliError> {
     let memo = context.memo()?;
     if args.replicates == 1 {
-        solve_ahead(std::iter::once(input.clone()).chain(first_check(input)), input, &memo, context)?;
-        if let Some(settled) = Settled::of_known(input, &memo) {
-            let first = Replicate { seed: input.seed, division: settled.division.clone(), perturbation: None };
-            return Ok(Divisions { replicates: vec![first], settled: Some(settled), ..Divisions::default() });
-        }
-        // The refined division takes longest and starts first.
-        solve_ahead(input.refined().into_iter().chain([next_seed(input)]), input, &memo, context)?;
+        return divide_once(context, input, &memo);
     }
-    // The second replicate shows whether the noise matters.
-    let mut found = solve(args, context, (input, args.replicates.max(2) as usize), &memo, batch::solve)?;
+    let mut found = solve(args, context, (input, args.replicates as usize), &memo, batch::solve)?;
     let Replicate { seed, division, .. } = &found.replicates[0];
     let first = DivisionInput { seed: *seed, ..input.clone() };
-    found.mesh = MeshEffect::of(&first, division, &memo, &context.scheduling(&|_| ()))?;
+    let mesh = MeshEffect::of(&first, division, &memo, &context.scheduling(&|_| ()))?;
     let others = found.replicates[1..].iter().map(|one| (one.seed, &one.division));
-    found.noise = NoiseEffect::of(&first, division, others);
-    // If one replicate is requested, the second serves only to test the effect of the noise.
-    found.replicates.truncate(args.replicates as usize);
+    found.effects = Effects { settled: None, noise: NoiseEffect::of(&first, division, others), mesh };
     Ok(found)
 }
 
-/// Solves divisions in parallel and stores them in the memo.
-///
-/// # Errors
-/// The error of the division of `input`; errors of the others are ignored.
-fn solve_ahead(
-    all: impl IntoIterator<Item = DivisionInput>,
-    input: &DivisionInput,
-    memo: &Memo,
-    context: &Context,
-) -> Result<(), CliError> {
-    let unknown: Vec<DivisionInput> = all.into_iter().filter(|one| memo.known(one).is_none()).collect();
-    if unknown.is_empty() {
-        return Ok(());
+/// One replicate with its checks.
+fn divide_once(context: &Context, input: &DivisionInput, memo: &Memo) -> Result<Divisions, CliError> {
+    if memo.known(input).is_none() {
+        interrupt::listen();
+        interrupt::finish();
     }
-    interrupt::listen();
-    interrupt::finish();
-    let replicate = unknown.iter().position(|one| one == input);
-    let found = solve_all(unknown, memo, &context.scheduling(&|_| ()), batch::solve)?;
-    messages::warn_of(&found.summary.warnings);
-    let failed = found.unsolved.into_iter().find(|job| Some(job.id) == replicate);
-    failed.map_or(Ok(()), |job| Err(reason(job.failure)))
+    let found = checked(input, memo, &context.scheduling(&|_| ())).map_err(|error| match error {
+        SchedulerError::Unsolved { mut jobs, .. } if !jobs.is_empty() => reason(jobs.remove(0).failure),
+        error => error.into(),
+    })?;
+    let Checked { division, effects, summary } = found.ok_or(CliError::Interrupted)?;
+    messages::warn_of(&summary.warnings);
+    let replicates = vec![Replicate { seed: input.seed, division, perturbation: None }];
+    Ok(Divisions { replicates, effects, ..Divisions::default() })
 }
 
 /// Solves `count` replicates. At least one of the requested ones must succeed; failures of additional ones are not reported.
@@ -438,7 +389,7 @@ fn at_least_one(solved: Vec<Replicate>, mut failed: Vec<(u64, CliError)>) -> Res
 }
 
 fn text(DivisionInput { cell, numerics, .. }: &DivisionInput, units: &Units, found: &Divisions) -> String {
-    let Divisions { replicates, noise, mesh, .. } = found;
+    let Divisions { replicates, effects: Effects { noise, mesh, .. }, .. } = found;
     let first = &replicates[0].division;
     let mut out = cell::described(cell, units, Some(cell.xi_s));
     if cell.has_cue() {

@@ -9,7 +9,7 @@ use super::output::{number, print, print_as, writable_file, writable_folder};
 use clap::Args;
 use furrow_analysis::observed::{Observed, ObservedLineage, ObservedOptions, SULSTON1983};
 use furrow_formats::exchange::{
-    BranchLengths, Exported, Format, ITOL_FILES, Sheet, TimedTree, check_sheet, check_tree, export_sheet,
+    BranchLengths, Exported, Format, ITOL_FILES, Sheet, TimedTree, check_sheet, check_tree, export_sheet, time_doubt,
 };
 use furrow_formats::{TREE_SCHEMA, read_tree};
 use furrow_input::InputError;
@@ -153,6 +153,7 @@ fn write(
         Some(root) => sheet.below(root, "--subtree")?,
         None => sheet,
     };
+    messages::warn_of(time_doubt(&sheet, format, lengths));
     let exported = export_sheet(&sheet, format, lengths, colours);
     let out = match (&exported, &args.out) {
         (Exported::File(text), None) => return print(text),

@@ -38,6 +38,8 @@ use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand}
 use context::{Context, Globals};
 pub use error::CliError;
 use std::borrow::Cow;
+use std::cell::RefCell;
+use std::ffi::OsString;
 use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
 
@@ -88,7 +90,7 @@ enum Command {
     /// exists, κ follows P as a step, and the cell divides with this cue. For each cell of the germline the command prints the boundary,
     /// and χ next to the measured χ. It also prints the smallest polarised cell and the smallest cell that divides.
     Polarity(Deferred<polarity::PolarityArgs>),
-    /// Maps outcomes over a parameter and ξ_s: rest from the exact edges of stable shapes, χ from divisions elsewhere
+    /// Maps outcomes over a parameter and ξ_s: the exact edges of stable shapes, and χ from divisions
     Phase(Deferred<phase::PhaseArgs>),
     /// Computes divisions, trees, pitchforks or critical radii over axes of parameters
     ///
@@ -147,7 +149,12 @@ enum Command {
     Completions(Deferred<completions::CompletionsArgs>),
 }
 
-/// The arguments of a command, defined only if it is named, or if all of them are shown.
+thread_local! {
+    /// The only command whose arguments are defined, to save time; without a name those of all commands are.
+    static NAMED: RefCell<Option<OsString>> = const { RefCell::new(None) };
+}
+
+/// The arguments of a command. clap's own deferral would put them behind the global options in the help.
 #[derive(Debug)]
 struct Deferred<T>(T);
 
@@ -161,7 +168,8 @@ impl<T> std::ops::Deref for Deferred<T> {
 
 impl<T: Args> Args for Deferred<T> {
     fn augment_args(command: clap::Command) -> clap::Command {
-        command.defer(|command| with_negative_numbers(T::augment_args(command)))
+        let is_other = |named: &Option<OsString>| named.as_ref().is_some_and(|named| named != command.get_name());
+        if NAMED.with_borrow(is_other) { command } else { T::augment_args(command) }
     }
 
     fn augment_args_for_update(command: clap::Command) -> clap::Command {
@@ -215,10 +223,14 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
 /// Parses the arguments. clap copies the global options into each registered command; if the first argument is a command, only this
 /// command is registered, to save time. The names of the command's options are added to `options`.
 fn parse(options: &mut Vec<String>) -> Result<(Globals, Command), clap::Error> {
-    let commands = Command::augment_subcommands(clap::Command::default());
-    let named = std::env::args_os().nth(1).and_then(|name| commands.find_subcommand(name).cloned());
-    let known = match named {
-        Some(named) => Cli::command().subcommand(named),
+    let first = std::env::args_os().nth(1);
+    let known = match first.filter(|name| name.to_str().is_some_and(Command::has_subcommand)) {
+        Some(name) => {
+            NAMED.set(Some(name.clone()));
+            let commands = Command::augment_subcommands(clap::Command::default());
+            NAMED.set(None);
+            Cli::command().subcommands(commands.find_subcommand(name).cloned())
+        }
         None => command(),
     };
     let mut known = with_negative_numbers(known);
@@ -246,6 +258,9 @@ fn one_file_twice(matches: &clap::ArgMatches, options: &[String]) -> Option<Stri
     for name in written {
         let Ok(Some(mut values)) = matches.try_get_raw(name) else { continue };
         let Some(file) = values.next() else { continue };
+        if let Some(clash) = file_that_is_read(matches, name, Path::new(file)) {
+            return Some(clash);
+        }
         let file: PathBuf = Path::new(file).components().filter(|part| *part != Component::CurDir).collect();
         if let Some((other, _)) = named.iter().find(|(_, known)| *known == file) {
             return Some(format!("--{other} and --{name} both write {}: give each a file of its own", file.display()));
@@ -253,6 +268,16 @@ fn one_file_twice(matches: &clap::ArgMatches, options: &[String]) -> Option<Stri
         named.push((name, file));
     }
     None
+}
+
+/// The error if the file that an option writes exists and is also the value of an option or argument that is read.
+fn file_that_is_read(matches: &ArgMatches, option: &str, file: &Path) -> Option<String> {
+    let written = file.canonicalize().ok().filter(|file| file.is_file())?;
+    let read = matches.ids().filter(|id| !WRITTEN.contains(&id.as_str()));
+    let mut values = read.filter_map(|id| matches.try_get_raw(id.as_str()).ok().flatten()).flatten();
+    values
+        .any(|value| Path::new(value).canonicalize().is_ok_and(|value| value == written))
+        .then(|| format!("--{option} would replace {}, which this command reads: give it another name", file.display()))
 }
 
 /// Makes a write beyond the limit on file sizes fail like a write to a full disk. Without a handler the signal would kill the process

@@ -1,7 +1,8 @@
 //! The exact edges of a phase diagram compared with divisions on both sides.
 
 use crate::common::shapes::{at, check_threshold};
-use furrow_cell::{Cell, Cue, Numerics};
+use furrow_cell::{Cell, Cue, Numerics, Parameter};
+use furrow_lineage::batch::{Memo, PhasePlane, Quantisation, SchedulerOptions};
 use furrow_mechanics::equilibria::at_rest::{Edge, rest_shapes};
 
 /// Below the upper end of its stable symmetric shapes a cell stays at rest; above, it divides. Cells with a subcritical
@@ -44,4 +45,25 @@ fn edges_just_below_the_end_of_the_range() {
             assert_eq!(shapes.intervals, [[0.0, xi_s]]);
         }
     }
+}
+
+/// A cell with a cue may pass its stable shape on the way from the passive one: only a division shows whether it rests.
+#[test]
+fn cells_with_a_cue_divide_beside_a_stable_shape() {
+    let cue = "tension:gradient,amplitude=0.3".parse().unwrap();
+    let cell = Cell { epsilon: 0.64, ..Cell::new(4.0) }.with_cue(cue);
+    let plane = PhasePlane {
+        cell: cell.clone(),
+        numerics: Numerics::default(),
+        parameter: Parameter::R0,
+        across: vec![4.0, 5.0],
+        up: vec![10.0, 11.0],
+        seed: 0,
+    };
+    let stable = rest_shapes(&Cell { xi_s: 10.0, ..cell }, &Numerics::default(), 12.0).unwrap();
+    assert!(stable.contains(10.0) && stable.contains(11.0), "{stable:?}");
+    let diagram = plane.compute(&Memo::new(Quantisation::DEFAULT), &SchedulerOptions::default()).unwrap();
+    let chi: Vec<f64> = diagram.cells.iter().map(|cell| cell.chi.unwrap_or(0.0)).collect();
+    let expected = [0.962, 0.490, 0.0, 0.477];
+    assert!(chi.iter().zip(expected).all(|(chi, expected)| (chi - expected).abs() < 1e-3), "{chi:?}");
 }

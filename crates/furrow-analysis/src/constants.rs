@@ -134,6 +134,10 @@ impl Constants {
                 }
             };
             InputError::require(is_known, file, "column", shown(&constant.name()), allowed)?;
+            let of_class = founders.unwrap_or_else(|| (0..lineage.founders.len()).collect());
+            let acts = !of_class.iter().all(|k| lineage.rules_replace(*k, parameter));
+            let allowed = "a parameter that physics_rules do not set in all of its cells";
+            InputError::require(acts, file, "column", shown(&constant.name()), allowed)?;
         }
         Ok(())
     }

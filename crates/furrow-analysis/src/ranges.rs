@@ -62,17 +62,28 @@ impl Range {
         self.p95 < other.p5 || other.p95 < self.p5
     }
 
-    /// Of numbers with their weights; `None` if there are no numbers.
+    /// Of numbers with their weights; `None` if there are no numbers. Where a share of the weight ends exactly between two numbers,
+    /// the quantile is their mean.
+    ///
+    /// ```
+    /// use furrow_analysis::ranges::Range;
+    /// let median = |numbers: &[f64]| Some(Range::of(numbers.iter().map(|number| (*number, 1.0)).collect())?.p50);
+    /// assert_eq!((median(&[4.0, 1.0]), median(&[4.0, 1.0, 2.0])), (Some(2.5), Some(2.0)));
+    /// ```
     pub fn of(mut numbers: Vec<(f64, f64)>) -> Option<Range> {
+        numbers.retain(|(_, weight)| *weight > 0.0);
         numbers.sort_by_cached_key(|item| OrderedFloat(item.0));
         let total: f64 = numbers.iter().map(|(_, weight)| weight).sum();
         let at = |share: f64| {
-            let mut below = 0.0;
-            let found = numbers.iter().find(|(_, weight)| {
+            let (mut below, end, rounding) = (0.0, share * total, 1e-12 * total);
+            let found = numbers.iter().position(|(_, weight)| {
                 below += weight;
-                below >= share * total * (1.0 - 1e-12)
+                below >= end - rounding
             });
-            found.or(numbers.last()).map(|(number, _)| *number)
+            let number = |k: usize| numbers.get(k).or(numbers.last()).map(|(number, _)| *number);
+            let first = found.unwrap_or(numbers.len());
+            let next = if below <= end + rounding { first + 1 } else { first };
+            Some(0.5 * (number(first)? + number(next)?))
         };
         Some(Range { p5: at(0.05)?, p50: at(0.5)?, p95: at(0.95)? })
     }

@@ -181,6 +181,12 @@ impl Check<'_> {
         }
         if let Some(tau) = clock.tau_min {
             self.ensure(MINUTES.contains(&tau), "clock.tau_min", tau, MINUTES_ALLOWED)?;
+            if let Some(unit) = self.lineage.units().time_min {
+                let same = (tau - unit).abs() <= 1e-9 * unit;
+                let allowed =
+                    format!("units.time_min = {unit}, since both are one τ in minutes, or only one of them given");
+                self.ensure(same, "clock.tau_min", tau, allowed)?;
+            }
         }
         let known = |field: &str, name: &str| {
             let allowed = "a founder of this file, or a cell that the naming rule can name below one";

@@ -1,6 +1,7 @@
 //! Warnings about a lineage's first cell and about a grown tree, one sentence each.
 
 use super::definition::{Lineage, matches};
+use super::founder::Daughter;
 use super::tree::{TerminalReason, Tree, TreeCell};
 use super::units::{Length, size_doubt};
 use furrow_cell::Cell;
@@ -42,15 +43,31 @@ impl Lineage {
 
 impl Tree {
     /// Doubts about the tree: cells that are undecided, cells that die according to the lineage but are not born, a law that names
-    /// a regulator which cells lack, and an origin of the clock that does not take place.
+    /// a regulator which cells lack, a larger daughter that is the smaller one, and an origin of the clock that does not take place.
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = self.undecided();
         let born = |pattern: &&String| self.cells().any(|id| matches(pattern, &self.cell(id).name));
         let unborn = self.lineage.dies.iter().filter(|pattern| !born(pattern));
         doubts.extend(unborn.map(|pattern| format!("dies: the tree has no cell {pattern:?}")));
         doubts.extend(self.lacks_regulator());
+        doubts.extend(self.smaller_than_sisters());
         doubts.extend(self.other_origin());
         doubts
+    }
+
+    /// Says which founders are the larger daughter by the lineage, but smaller than their sister, by a radius of their own.
+    fn smaller_than_sisters(&self) -> impl Iterator<Item = String> + '_ {
+        self.lineage.founders.iter().enumerate().filter_map(|(k, founder)| {
+            let larger = self.founder_cell(k).filter(|_| founder.daughter == Some(Daughter::Larger))?;
+            let pair = self.daughters(self.mother(larger)?)?;
+            let smaller = pair.into_iter().find(|id| *id != larger)?;
+            let [(of_larger, large), (of_smaller, small)] =
+                [larger, smaller].map(|id| self.cell(id)).map(|cell| (&cell.name, cell.r0));
+            let [shown_large, shown_small] = [large, small].map(|r0| rounded_number(r0, 4));
+            (large < small).then(|| {
+                format!("{of_larger} is the larger daughter by the lineage, but its R0 = {shown_large} is below the {shown_small} of {of_smaller}")
+            })
+        })
     }
 
     /// The number of divisions with a second neck.

@@ -171,14 +171,15 @@ impl Lineage {
     /// [`allowed_of_run`](Self::allowed_of_run) of one lineage.
     fn only_own(&self, name: &'static str) -> Option<String> {
         let name = number_set_by(name);
-        let has_own = |founder: &Founder| match name.parse() {
+        let has_own = |(k, founder): (usize, &Founder)| match name.parse() {
             // An ellipsoid has the aspect ratio of the run, which its table may set.
             _ if name == SHELL_PROFILE => matches!(founder.shell_profile, Some(ShellChoice::Profile(_))),
-            Ok(parameter) => founder.sets(parameter),
+            Ok(parameter) => founder.sets(parameter) || self.rules_replace(k, parameter),
             Err(_) => false,
         };
-        let allowed = || format!("left out: every founder of {} has its own, by physics or shell_profile", self.name);
-        self.founders.iter().all(has_own).then(allowed)
+        let by = "physics, physics_rules or shell_profile";
+        let allowed = || format!("left out: every founder of {} has its own, by {by}", self.name);
+        self.founders.iter().enumerate().all(has_own).then(allowed)
     }
 }
 

@@ -38,6 +38,9 @@ pub struct Span {
 }
 
 impl Span {
+    /// All cells.
+    const ALL: Span = Span { from_generation: 0, to_generation: None, below_r0: None, above_r0: None };
+
     /// Whether it includes all cells of another span.
     pub(crate) fn covers(&self, other: &Span) -> bool {
         let within = |limit: Option<f64>, of_other: Option<f64>, fits: fn(f64, f64) -> bool| {
@@ -153,6 +156,11 @@ impl PhysicsRule {
         Span { from_generation, to_generation, below_r0, above_r0 }
     }
 
+    /// Whether the first cell, which has no mother, keeps its own value.
+    fn depends_on_mother(&self) -> bool {
+        self.from_mother || self.per == Some(Per::MotherChi)
+    }
+
     /// The value for a cell; `None` if the cell keeps its own value, for example the first cell if the rule needs a mother.
     fn value(&self, own: f64, generation: u32, r0: f64, mother: Option<Mother<'_>>) -> Option<f64> {
         let start = if self.from_mother { self.parameter.get(mother?.cell) } else { self.value.unwrap_or(own) };
@@ -228,6 +236,17 @@ impl Lineage {
         }
     }
 
+    /// Whether rules give a parameter of every cell of a founder a value that does not depend on the founder's or the run's.
+    pub fn rules_replace(&self, founder: usize, parameter: Parameter) -> bool {
+        let rules = match &self.founders[founder].physics_rules[..] {
+            [] => &self.physics_rules[..],
+            own => own,
+        };
+        let of_parameter = rules.iter().filter(|rule| rule.parameter == parameter);
+        let mut replacing = of_parameter.take_while(|rule| rule.value.is_some() && !rule.depends_on_mother());
+        replacing.any(|rule| rule.span().covers(&Span::ALL))
+    }
+
     /// Whether there are rules for parameters of any cell.
     pub fn has_physics_rules(&self) -> bool {
         !self.physics_rules.is_empty() || self.founders.iter().any(|founder| !founder.physics_rules.is_empty())
@@ -268,7 +287,7 @@ impl Lineage {
             parameter.validate(value).map_err(refused)?;
             parameter.set(cell, value);
             ruled.physics.set(parameter, value);
-            ruled.is_single |= rule.from_mother || matches!(rule.per, Some(Per::R0 | Per::MotherChi));
+            ruled.is_single |= rule.depends_on_mother() || rule.per == Some(Per::R0);
         }
         if done.iter().any(|parameter| parameter.is_of_cue()) {
             cell.cue.check().map_err(|error| format!("physics_rules: {error}"))?;

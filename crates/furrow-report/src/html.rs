@@ -55,9 +55,9 @@ impl OfTree {
     pub fn new(tree: &Tree, rows: &[FounderRow]) -> OfTree {
         let counts = TreeSummary::of(tree);
         let (cells, ended) = (tree.len(), counts.ended_text());
-        let r0 = tree.cell(tree.first()).r0;
-        let um = tree.lineage.units().in_micrometres(r0);
-        let [r0, epsilon, xi_s] = [r0, tree.settings.cell.epsilon, tree.settings.cell.xi_s].map(short);
+        let first = tree.parameters(tree.first());
+        let um = tree.lineage.units().in_micrometres(first.r0);
+        let [r0, epsilon, xi_s] = [first.r0, first.epsilon, first.xi_s].map(short);
         let mut summary = format!(
             "<p>{cells} cells from one of R0 = {r0}{um} at ε = {epsilon}, ξ<sub>s</sub> = {xi_s}. Branches end: {ended}.</p>\n"
         );

@@ -34,7 +34,9 @@ pub use film_page::FilmPage;
 pub use html::{OfTree, explorer, html};
 pub use scenarios_page::scenarios_page;
 pub use scenarios_table::scenarios_table;
-pub use shapes::{AzimuthalStability, crossing_report, event_report, hopf_report, stationary_report, threshold_report};
+pub use shapes::{
+    AzimuthalStability, checks_report, crossing_report, event_report, hopf_report, stationary_report, threshold_report,
+};
 pub use spread_table::spread_table;
 pub use summary::{Generation, TreeSummary};
 pub use svg::{colours as founder_colours, svg};

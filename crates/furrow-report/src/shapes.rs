@@ -1,11 +1,15 @@
-//! Records of stationary shapes, folds and pitchforks, with the keys used in files, in `--json` and in Python.
+//! Records of stationary shapes, folds, pitchforks and the checks of a division, with the keys used in files, in `--json` and in Python.
 //!
 //! Lengths are in L_h, p in κ0/L_h³, activities in κ0/L_h, growth rates in 1/τ. H is the elongation in units of R0, L
 //! the length of the contour.
 
 use serde_json::{Value, json};
 
+use furrow_analysis::json::{filled, merged};
+use furrow_cell::Numerics;
+use furrow_lineage::batch::checks::{Effects, MeshEffect, NoiseEffect, Settled};
 use furrow_mechanics::azimuthal::mode::Mode;
+use furrow_mechanics::division::Division;
 use furrow_mechanics::equilibria::azimuthal_scan::Crossing;
 use furrow_mechanics::equilibria::{BranchEvent, HopfPoint, Pitchfork, StationaryShape};
 use furrow_mechanics::stability::{GrowthRate, Spectrum, StabilityError};
@@ -93,6 +97,31 @@ pub fn threshold_report(found: &Pitchfork) -> Value {
     });
     if let Some(fold) = found.beyond_fold {
         report["beyond_fold"] = json!(fold);
+    }
+    report
+}
+
+/// What the noise and the mesh change about a division, with the divisions that show it.
+pub fn checks_report(Effects { settled, noise, mesh }: &Effects) -> Value {
+    let of = |one: &Division| json!({ "outcome": one.outcome(), "chi": one.chi(), "u_furrow": one.u_furrow() });
+    let on = |mesh: &Numerics| json!({ "intervals": mesh.intervals, "time_tolerance": mesh.time_tolerance });
+    let with_seed = |seed: u64, one: &Division| merged(json!({ "seed": seed }), of(one));
+    let mut report = json!({});
+    if let Some(Settled { check, other, chi_apart }) = settled {
+        report["depends_on_noise"] = json!(false);
+        report["other_seed"] = filled(merged(with_seed(check.seed, other), on(&check.numerics)));
+        report["depends_on_mesh"] = json!(false);
+        report["chi_uncertainty"] = json!(chi_apart);
+    }
+    if let Some(NoiseEffect { seed, other, decides }) = noise {
+        report["depends_on_noise"] = json!(decides);
+        report["other_seed"] = filled(with_seed(*seed, other));
+    }
+    if let Some(MeshEffect { finer, other, decides, chi_apart }) = mesh {
+        let there = other.as_ref().map_or_else(|failure| json!({ "why": failure.to_string() }), of);
+        report["depends_on_mesh"] = json!(decides);
+        report["chi_uncertainty"] = json!(chi_apart);
+        report["twice_the_mesh"] = filled(merged(on(finer), there));
     }
     report
 }

@@ -2,7 +2,7 @@
 
 use super::observed_table::{Column, MODEL, decimals, observed_columns};
 use super::summary::{Generation, TreeSummary};
-use furrow_cell::Parameter;
+use furrow_cell::{Cell, Parameter};
 use furrow_formats::FounderRow;
 use furrow_lineage::{CellId, Founder, TerminalReason, Tree, TreeCell};
 use furrow_mechanics::division::Outcome;
@@ -23,23 +23,21 @@ pub(crate) fn outcome_name(outcome: Option<Outcome>) -> &'static str {
 /// if theirs is another.
 pub(super) fn cue_text(row: &FounderRow) -> String {
     let mut out = row.cue.clone();
-    for (name, count) in &row.cued_descendants {
-        let _ = if *name == row.cue { write!(out, " +{count}") } else { write!(out, ", {name} +{count}") };
-    }
+    let (same, other): (Vec<_>, Vec<_>) = row.cued_descendants.iter().partition(|(name, _)| **name == row.cue);
+    same.into_iter().for_each(|(_, count)| out += &format!(" +{count}"));
+    other.into_iter().for_each(|(name, count)| out += &format!(", {name} +{count}"));
     out
 }
 
 /// Rounds per founder beside the observed ones, the growth by generation, and why branches end.
 pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
-    let cell = &tree.settings.cell;
+    let Cell { r0, epsilon, xi_s, .. } = tree.parameters(tree.first());
     let mut out = format!(
-        "{}: {} cells, grown from R0 = {}{} at ε = {}, ξ_s = {}\n\n",
+        "{}: {} cells, grown from R0 = {}{} at ε = {epsilon}, ξ_s = {xi_s}\n\n",
         tree.lineage.name,
         tree.len(),
-        short(tree.cell(tree.first()).r0),
-        tree.lineage.units().in_micrometres(tree.cell(tree.first()).r0),
-        cell.epsilon,
-        cell.xi_s
+        short(r0),
+        tree.lineage.units().in_micrometres(r0),
     );
     out += &(rounds(rows) + &last_divisions(tree, rows) + &cues(tree, rows) + &physics(tree));
     let summary = TreeSummary::of(tree);

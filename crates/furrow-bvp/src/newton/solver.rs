@@ -152,6 +152,9 @@ const SINGULAR: f64 = 1e12;
 /// Where Newton stalls with a correction as small as this, rounding stops it.
 const STALLED_BY_ROUNDING: f64 = 1e-9;
 
+/// The same relative to the tolerance.
+const STALLED_SHARE: f64 = 0.1;
+
 /// A larger correction than this is not accepted, whatever the condition.
 const LARGEST_ROUNDING: f64 = 1e-5;
 
@@ -411,7 +414,10 @@ impl Run<'_> {
         }
         let apart = apart(&self.system.gauss, &solved, &finer).max(relative(&y.scalars, &finer.scalars));
         let (defects, slopes) = self.defects(&finer);
-        let condition = condition::estimate(&mut self.system, &finer);
+        // Newton's last factors may belong to an iterate before a nearly singular solution.
+        self.work.factorisations += 1;
+        let factorised = self.system.factorise(self.problem, &finer, &[]).is_ok();
+        let condition = if factorised { condition::estimate(&mut self.system, &finer) } else { f64::INFINITY };
         // A solution may approach one that leaves a scalar free, such as rest where a period is sought.
         if condition > singular(&finer) {
             return Err(SolveError::Singular { condition, intervals });
@@ -474,7 +480,7 @@ impl Run<'_> {
         let newton = Newton { tolerance, ..settings.newton };
         match newton.solve(&mut self.system, &mut self.scratch, self.problem, y, &[], false) {
             Ok(report) => self.work += report,
-            Err(NewtonError::Stalled { correction, .. }) if self.is_rounding(correction, y) => {}
+            Err(NewtonError::Stalled { correction, .. }) if self.is_small(correction, y) => {}
             Err(error) => {
                 self.work.rejected += 1;
                 return Err(error);
@@ -484,9 +490,10 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Whether a correction at which Newton's method stalls is the effect of rounding, which the condition amplifies.
-    fn is_rounding(&mut self, correction: f64, y: &Solution) -> bool {
-        correction <= STALLED_BY_ROUNDING
+    /// Whether a correction at which Newton's method stalls is small enough: next to the tolerance, as where the derivative of f is
+    /// infinite, or the effect of rounding, which the condition amplifies.
+    fn is_small(&mut self, correction: f64, y: &Solution) -> bool {
+        correction <= STALLED_BY_ROUNDING.max(STALLED_SHARE * self.tolerance)
             || correction <= LARGEST_ROUNDING && correction <= ROUNDED * condition::estimate(&mut self.system, y)
     }
 

@@ -168,6 +168,15 @@ pub fn check_sheet(sheet: &Sheet<'_>, format: Format, lengths: BranchLengths) ->
     if format == Format::LineageTree { check_rows(sheet, lengths) } else { Ok(()) }
 }
 
+/// Warns of time points that are later than births by a minute or more, since formats with whole minutes give every cell one of its own.
+pub fn time_doubt(sheet: &Sheet<'_>, format: Format, lengths: BranchLengths) -> Option<String> {
+    let is_whole = matches!(format, Format::Ctc | Format::LineageTree);
+    let late = if is_whole { tables::latest_start(sheet, lengths) } else { 0 };
+    (late > 0).then(|| {
+        format!("time points are whole minutes, one at least for each cell: cells that live shorter delay their descendants, by up to {late} min")
+    })
+}
+
 /// As [`export`], of the cells of any lineage.
 pub fn export_sheet(sheet: &Sheet<'_>, format: Format, lengths: BranchLengths, colours: &[&str]) -> Exported {
     Exported::File(match format {

@@ -90,6 +90,17 @@ fn spans(sheet: &Sheet<'_>, lengths: BranchLengths) -> Vec<[u64; 2]> {
     spans
 }
 
+/// The number of minutes by which cells start late at most, because every cell has a time point of its own.
+pub(super) fn latest_start(sheet: &Sheet<'_>, lengths: BranchLengths) -> u64 {
+    let births = || sheet.cells.iter().filter_map(|cell| Some(cell.times?.0));
+    let first = births().fold(f64::INFINITY, f64::min);
+    let is_minutes = lengths != BranchLengths::Generation && births().count() == sheet.len();
+    let late = births()
+        .zip(spans(sheet, lengths))
+        .map(|(birth, [from, _])| from.saturating_sub((birth - first).round() as u64));
+    if is_minutes { late.max().unwrap_or(0) } else { 0 }
+}
+
 /// A line per cell, `label first last mother`, as `res_track.txt` of the Cell Tracking Challenge. Labels count the cells from 1; the
 /// first cell has mother 0.
 pub(super) fn ctc(sheet: &Sheet<'_>, lengths: BranchLengths) -> String {

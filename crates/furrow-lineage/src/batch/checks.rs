@@ -5,28 +5,96 @@
 //! and with the cell's own seed on twice the mesh.
 
 use super::memo::{Failure, Memo};
-use super::scheduler::{SchedulerError, SchedulerOptions, solve_all};
+use super::scheduler::{SchedulerError, SchedulerOptions, Solved, Summary, Unsolved, solve_all};
 use super::solve::solve;
 use furrow_cell::Numerics;
 use furrow_mechanics::division::outcome::NOISE_TOLERANCE;
 use furrow_mechanics::division::{Division, DivisionInput};
 
 /// The same division with the next seed.
-pub fn next_seed(input: &DivisionInput) -> DivisionInput {
+fn next_seed(input: &DivisionInput) -> DivisionInput {
     DivisionInput { seed: input.seed.wrapping_add(1), ..input.clone() }
 }
 
-/// The division of the first check; `None` if half the mesh is too coarse for a division.
-pub fn first_check(input: &DivisionInput) -> Option<DivisionInput> {
-    input.coarsened().map(|half| next_seed(&half))
+/// What the noise and the mesh change about a division.
+#[derive(Clone, Debug, Default)]
+pub struct Effects {
+    /// The first check, if it shows that neither decides.
+    pub settled: Option<Settled>,
+    /// The effect of the noise alone.
+    pub noise: Option<NoiseEffect>,
+    /// The effect of the mesh alone.
+    pub mesh: Option<MeshEffect>,
 }
 
-/// A division that neither the noise nor the mesh decides.
+/// A division with its checks.
 #[derive(Clone, Debug)]
-pub struct Settled {
+pub struct Checked {
     /// The division.
     pub division: Division,
-    /// The input of the [`first_check`].
+    /// Its checks.
+    pub effects: Effects,
+    /// The summary of the work.
+    pub summary: Summary,
+}
+
+/// Solves a division and its checks, in parallel; `None` if the run was interrupted.
+///
+/// # Examples
+/// Two furrows compete in a large cell, and the seed decides how unequal its daughters are:
+///
+/// ```
+/// use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, checks::checked};
+/// use furrow_cell::Cell;
+/// use furrow_mechanics::division::DivisionInput;
+/// let memo = Memo::new(Quantisation::DEFAULT);
+/// let effects = |r0: f64| {
+///     let found = checked(&DivisionInput::new(Cell::new(r0)), &memo, &SchedulerOptions::default())?;
+///     Ok::<_, Box<dyn std::error::Error>>(found.ok_or("interrupted")?.effects)
+/// };
+/// assert!(effects(2.5)?.settled.is_some());
+/// assert!(effects(5.6)?.noise.is_some_and(|noise| noise.decides));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`SchedulerError::Unsolved`] with the division, if it fails itself; a failed check only leaves its effect unknown.
+/// [`SchedulerError::Pool`] if no workers can be started.
+pub fn checked(
+    input: &DivisionInput,
+    memo: &Memo,
+    options: &SchedulerOptions<'_>,
+) -> Result<Option<Checked>, SchedulerError> {
+    let check = input.coarsened().map(|half| next_seed(&half));
+    let first = std::iter::once(input.clone()).chain(check.clone());
+    let Solved { divisions, unsolved, mut summary } = solve_all(first, memo, options, solve)?;
+    let mut divisions = divisions.into_iter();
+    let Some(division) = divisions.next().flatten() else {
+        let failed: Vec<Unsolved> = unsolved.into_iter().filter(|job| job.id == 0).collect();
+        return match failed.is_empty() {
+            true => Ok(None),
+            false => Err(SchedulerError::Unsolved { jobs: failed, summary: Box::new(summary) }),
+        };
+    };
+    let of_check = check.zip(divisions.next().flatten());
+    let settled = of_check.and_then(|(check, other)| Settled::of(input, &division, check, other));
+    if settled.is_some() {
+        return Ok(Some(Checked { division, effects: Effects { settled, ..Effects::default() }, summary }));
+    }
+    // The refined division takes longest and starts first.
+    let next = next_seed(input);
+    let separate = input.refined().into_iter().chain([next.clone()]);
+    summary.add(solve_all(separate, memo, options, solve)?.summary);
+    let other = memo.known(&next);
+    let noise = NoiseEffect::of(input, &division, other.iter().map(|other| (next.seed, other)));
+    let mesh = MeshEffect::of(input, &division, memo, options)?;
+    Ok(Some(Checked { division, effects: Effects { settled: None, noise, mesh }, summary }))
+}
+
+/// The first check of a division that neither the noise nor the mesh decides.
+#[derive(Clone, Debug)]
+pub struct Settled {
+    /// The check: another seed on half the mesh.
     pub check: DivisionInput,
     /// Its division.
     pub other: Division,
@@ -35,14 +103,12 @@ pub struct Settled {
 }
 
 impl Settled {
-    /// The division of `input` if the memo has it and the [`first_check`], and both end alike with χ within the [`NOISE_TOLERANCE`].
-    pub fn of_known(input: &DivisionInput, memo: &Memo) -> Option<Settled> {
-        let check = first_check(input)?;
-        let [division, other] = [memo.known(input)?, memo.known(&check)?];
+    /// The check if both end alike, with χ within the [`NOISE_TOLERANCE`].
+    fn of(input: &DivisionInput, division: &Division, check: DivisionInput, other: Division) -> Option<Settled> {
         let parity = input.cell.is_mirror_symmetric();
         let chi_apart = division.chi_apart(&other, parity);
         let agrees = division.agrees_with(&other, parity) && chi_apart.is_none_or(|apart| apart <= NOISE_TOLERANCE);
-        agrees.then_some(Settled { division, check, other, chi_apart })
+        agrees.then_some(Settled { check, other, chi_apart })
     }
 }
 
@@ -117,31 +183,24 @@ mod tests {
     use crate::batch::Quantisation;
     use furrow_cell::Cell;
 
-    /// A memo with the division of `input` and its first check.
-    fn solved(input: &DivisionInput) -> Memo {
+    fn effects(r0: f64) -> Effects {
         let memo = Memo::new(Quantisation::DEFAULT);
-        let inputs = [input.clone(), first_check(input).unwrap()];
-        solve_all(inputs, &memo, &SchedulerOptions::default(), solve).unwrap();
-        memo
+        let input = DivisionInput::new(Cell::new(r0));
+        checked(&input, &memo, &SchedulerOptions::default()).unwrap().unwrap().effects
     }
 
     #[test]
     fn the_first_check_suffices_for_a_cell_with_one_furrow() {
-        let input = DivisionInput::new(Cell::new(2.5));
-        assert!(Settled::of_known(&input, &Memo::new(Quantisation::DEFAULT)).is_none());
-        let found = Settled::of_known(&input, &solved(&input)).unwrap();
-        assert_eq!((found.check.seed, found.check.numerics.intervals), (1, 24));
-        assert!(found.chi_apart.unwrap() < 1e-3);
+        let Settled { check, chi_apart, .. } = effects(2.5).settled.unwrap();
+        assert_eq!((check.seed, check.numerics.intervals), (1, 24));
+        assert!(chi_apart.unwrap() < NOISE_TOLERANCE);
     }
 
     #[test]
-    fn seeds_decide_where_two_furrows_compete() {
-        let input = DivisionInput::new(Cell::new(5.6));
-        let memo = solved(&input);
-        assert!(Settled::of_known(&input, &memo).is_none());
-        let [division, other] = [&input, &next_seed(&input)].map(|one| memo.solve(one, solve).unwrap());
-        let mesh = MeshEffect::of(&input, &division, &memo, &SchedulerOptions::default()).unwrap().unwrap();
+    fn the_effects_are_separate_where_two_furrows_compete() {
+        let Effects { settled, noise, mesh } = effects(5.6);
+        assert!(settled.is_none() && noise.unwrap().decides);
+        let mesh = mesh.unwrap();
         assert!(!mesh.decides && mesh.finer.intervals == 96);
-        assert!(NoiseEffect::of(&input, &division, [(1, &other)]).unwrap().decides);
     }
 }

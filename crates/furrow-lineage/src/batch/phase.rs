@@ -1,8 +1,8 @@
 //! Phase diagrams: outcomes over one parameter of a cell and its activity.
 //!
-//! Where the primary branch has a stable shape the cell stays at rest. The exact folds and pitchforks of the branch bound this
-//! region in each column; without axial symmetry the first pitchfork or fold of the bent states does. Elsewhere divisions are
-//! computed.
+//! A cell without a cue stays at rest where the primary branch has a stable shape. The exact folds and pitchforks of the branch bound
+//! this region in each column; without axial symmetry the first pitchfork or fold of the bent states does. Elsewhere, and for every
+//! cell with a cue, divisions are computed: such a cell may pass its stable shape on the way from the passive one.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -68,7 +68,7 @@ pub enum PhaseOutcome {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Evidence {
-    /// A stable shape exists.
+    /// A stable shape exists, and no cue acts.
     Curves,
     /// A division was computed.
     Division,
@@ -170,7 +170,10 @@ impl PhasePlane {
     ) -> Result<PhaseDiagram, SchedulerError> {
         let columns = self.columns(options.threads, shown)?;
         let points = || columns.iter().flat_map(|column| self.up.iter().map(move |xi_s| (column, *xi_s)));
-        let rests = |column: &Column, xi_s: f64| column.at_rest.iter().any(|[a, b]| (*a..=*b).contains(&xi_s));
+        let rests = |column: &Column, xi_s: f64| {
+            let stable = column.at_rest.iter().any(|[a, b]| (*a..=*b).contains(&xi_s));
+            stable && !self.cell_at(column.x).has_cue()
+        };
         let inputs = points().filter(|(column, xi_s)| !rests(column, *xi_s)).map(|(column, xi_s)| {
             let cell = Cell { xi_s, ..self.cell_at(column.x) };
             DivisionInput { cell, numerics: self.numerics, seed: self.seed }

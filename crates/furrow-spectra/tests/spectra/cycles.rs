@@ -8,17 +8,11 @@ use furrow_spectra::cycles::{self, CycleBranch, CyclePoint, CycleWatch};
 use furrow_spectra::floquet::{CycleBifurcation, Multipliers};
 use furrow_spectra::hopf::{Equilibria, EquilibriumBranch, HopfPoint, HopfWatch};
 
-#[path = "cycles/brusselator.rs"]
 mod brusselator;
-#[path = "cycles/canard.rs"]
 mod canard;
-#[path = "cycles/circuit.rs"]
 mod circuit;
-#[path = "cycles/duffing.rs"]
 mod duffing;
-#[path = "cycles/integrated.rs"]
 mod integrated;
-#[path = "cycles/lorenz.rs"]
 mod lorenz;
 
 /// A metric in which c and T have no weight.

@@ -1,0 +1,5 @@
+//! Growth rates and cycles of textbook systems.
+
+mod cycles;
+mod evolution;
+mod floquet;
