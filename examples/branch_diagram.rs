@@ -9,7 +9,12 @@ use furrow_mechanics::equilibria::{Branch, BranchOptions, asymmetric, primary};
 fn print(name: &str, branch: &Branch) {
     for point in &branch.points {
         let stable = point.growth_rate.map_or("?", |rate| if rate < 0.0 { "stable" } else { "unstable" });
-        println!("{name:10} {:9.5} {:9.6} {:9.5} {stable}", point.xi_s, point.elongation, point.delta_u);
+        println!(
+            "{name:10} {:9.5} {:9.6} {:9.5} {stable}",
+            point.xi_s,
+            point.elongation,
+            point.delta_u.unwrap_or(f64::NAN)
+        );
     }
     for event in &branch.events {
         println!("# {} of the {name} branch at ξ_s = {:.6}", event.kind(), event.point().xi_s);

@@ -190,7 +190,7 @@ class Curve(Result):
     ``p``: Pressure, in κ0/L_h³.
     ``r_eq``: Radius at the equator, in L_h.
     ``growth_rate``: Largest growth rate, in 1/τ; NaN if not found.
-    ``delta_u``: Furrow position u_furrow − ½.
+    ``delta_u``: Furrow position u_furrow − ½; NaN for shapes without a furrow.
     ``reduced_volume``: Volume divided by the volume of a sphere with the same area; NaN of ``bent`` shapes.
     ``bending_energy``: ∫ ½κ(C − C0)² dA, in κ0; NaN of ``bent`` shapes.
     ``ended``: Why the continuation stopped.

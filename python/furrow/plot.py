@@ -355,7 +355,7 @@ def _balance(axes: Axes, frame: Frame) -> None:
 
 def branch(found: Branch) -> Figure:
     """A bifurcation diagram: elongation and furrow position over activity, dashed where shapes are unstable."""
-    breaks = any(np.abs(curve.delta_u).max(initial=0.0) > 1e-6 for curve in found.curves)
+    breaks = any(np.nanmax(np.abs(curve.delta_u), initial=0.0) > 1e-6 for curve in found.curves)
     figure = _figure(8.4, 7.0 if breaks else 4.2)
     _title(figure, f"Stationary shapes at R₀ = {found.cell.r0:g}, ε = {found.cell.epsilon:g}{_cue_of(found.cell)}")
     shown = (("H", LABELS["H"]), ("delta_u", "furrow position δu (anterior > 0)"))[: 2 if breaks else 1]

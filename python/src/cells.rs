@@ -231,13 +231,14 @@ pub fn branch<'py>(
             ("p", column(|p| p.pressure)),
             ("r_eq", column(|p| p.equator_radius)),
             ("growth_rate", column(|p| p.growth_rate.unwrap_or(f64::NAN))),
-            ("delta_u", column(|p| p.delta_u)),
+            ("delta_u", column(|p| p.delta_u.unwrap_or(f64::NAN))),
             ("reduced_volume", column(|p| p.reduced_volume)),
             ("bending_energy", column(|p| p.bending_energy)),
         ];
         let columns = arrays(py, of)?;
         if azimuthal > 0 {
-            let rates = branch.azimuthal.rates.iter().flatten().map(|rate| rate.unwrap_or(f64::NAN)).collect();
+            let rates = branch.azimuthal.rates.iter().flat_map(|rates| rates.iter().take(azimuthal));
+            let rates = rates.map(|rate| rate.unwrap_or(f64::NAN)).collect();
             let rows = PyArray1::from_vec(py, rates).reshape([branch.azimuthal.rates.len(), azimuthal])?;
             columns.set_item("azimuthal", fixed(rows)?)?;
         }

@@ -17,7 +17,7 @@ use furrow_formats::write_atomically;
 use furrow_input::rounded_number;
 use furrow_lineage::Units;
 use furrow_mechanics::equilibria::azimuthal_scan::Crossing;
-use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, Criticality, HopfPoint, ShapePoint};
+use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, Criticality, HopfPoint, ShapeError, ShapePoint};
 use furrow_report::surfaces::bent_report;
 use furrow_report::{crossing_report, event_report, hopf_report};
 use furrow_surface::bent::{BentBranch, BentPoint, NormalForm};
@@ -64,12 +64,15 @@ const HEADER: &str = "branch,xi_s,H,L,p,r_eq,stable,growth_rate,delta_u,reduced_
 
 fn point(branch: &str, p: &ShapePoint) -> Value {
     let stable = p.growth_rate.map(|rate| rate < 0.0);
-    // Without the last two where the growth rate could not be computed.
-    filled(json!({
+    // The growth rate is absent where it could not be computed; delta_u is null without a furrow.
+    let rate = filled(json!({ "stable": stable, "growth_rate": p.growth_rate }));
+    let place = json!({
         "branch": branch, "xi_s": p.xi_s, "H": p.elongation, "L": p.length, "p": p.pressure, "r_eq": p.equator_radius,
-        "stable": stable, "growth_rate": p.growth_rate, "delta_u": p.delta_u,
-        "reduced_volume": p.reduced_volume, "bending_energy": p.bending_energy,
-    }))
+    });
+    let rest = json!({
+        "delta_u": p.delta_u, "reduced_volume": p.reduced_volume, "bending_energy": p.bending_energy,
+    });
+    merged(merged(place, rate), rest)
 }
 
 /// The reason why a branch ends. For pinch-off it includes the neck radius of the criterion, in R0.
@@ -103,14 +106,15 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     let (found, bent) = diagram_with_bent(&cell, numerics, &options)?;
     messages::warn_of(found.all_warnings());
     let units = context.units;
-    let mut document = merged(document(&cell, &found), filled(json!({ "r0_um": units.micrometres(cell.r0) })));
+    let mut document =
+        merged(document(&cell, &found, args.max_step), filled(json!({ "r0_um": units.micrometres(cell.r0) })));
     if let Some(bent) = &bent {
         document["bent"] = bent_report(bent);
     }
     if let (Some(file), Some(points)) = (&args.csv, document["points"].as_array()) {
         write_atomically(file, &records_csv(HEADER, points)?)?;
     }
-    picture.write(|| plot::branch::draw(&cell, &found.branches))?;
+    picture.write(|| plot::branch::draw(&cell, &found.branches, bent.as_ref()))?;
     print_as(context.json, &document, || {
         text((&cell, &units), &found, args.points) + &bent.as_ref().map_or(String::new(), bent_text)
     })
@@ -147,14 +151,19 @@ fn azimuthal(found: &Diagram) -> Option<Vec<Value>> {
     scanned.then(|| crossings.collect())
 }
 
-/// The `--json` output.
-fn document(cell: &Cell, found: &Diagram) -> Value {
+/// The `--json` output. A warning names every branch that was lost, with a smaller step than `max_step`.
+fn document(cell: &Cell, found: &Diagram, max_step: f64) -> Value {
     fn of(found: &Diagram, all: impl Fn(&'static str, &Branch) -> Vec<Value>) -> Vec<Value> {
         found.branches.iter().flat_map(|(name, branch)| all(name, branch)).collect()
     }
     let stopped = |name: &'static str, branch: &Branch| {
         let reason = branch.ended.error();
-        reason.iter().for_each(|reason| messages::warning!("the {name} branch is followed no further: {reason}"));
+        let lost = matches!(reason, Some(ShapeError::Branch { .. }));
+        let advice =
+            if lost { format!(", or --max-step {}", rounded_number(0.3 * max_step, 2)) } else { String::new() };
+        reason
+            .iter()
+            .for_each(|reason| messages::warning!("the {name} branch is followed no further: {reason}{advice}"));
         Vec::from_iter(reason.map(|reason| reason.to_string().into()))
     };
     let mut document = json!({
@@ -183,8 +192,8 @@ fn text((cell, units): (&Cell, &Units), found: &Diagram, points: bool) -> String
         out.push_str("branch          ξ_s         H         L   growth rate        Δu\n");
         for (name, p) in found.branches.iter().flat_map(|(name, branch)| branch.points.iter().map(move |p| (name, p))) {
             let ShapePoint { xi_s, elongation: h, length: l, delta_u, .. } = p;
-            let rate = or_dash(p.growth_rate, 4);
-            let _ = writeln!(out, "{name:<10} {xi_s:>9.5} {h:>9.6} {l:>9.5} {rate:>13} {delta_u:>9.5}");
+            let (rate, delta_u) = (or_dash(p.growth_rate, 4), or_dash(*delta_u, 5));
+            let _ = writeln!(out, "{name:<10} {xi_s:>9.5} {h:>9.6} {l:>9.5} {rate:>13} {delta_u:>9}");
         }
     }
     for (name, event) in found.branches.iter().flat_map(|(name, branch)| branch.events.iter().map(move |e| (name, e))) {

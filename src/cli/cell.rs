@@ -140,18 +140,29 @@ pub struct AxisArgs {
     /// Computes cells without axial symmetry: they may bend, and their furrow may close from one side
     #[arg(long)]
     three_dimensional: bool,
-    /// Largest azimuthal mode number of a surface: modes cos mφ with m up to M; a surface uses as many as its shape needs
-    #[arg(long, value_name = "M", requires = "three_dimensional", default_value_t = MODES, value_parser = clap::value_parser!(u8).range(1..=12))]
-    modes: u8,
+    /// Largest azimuthal mode number of a surface, as --set modes=M: modes cos mφ with m up to M; a surface uses as many as its shape needs; default 4
+    #[arg(long, value_name = "M", requires = "three_dimensional", value_parser = clap::value_parser!(u8).range(1..=12))]
+    modes: Option<u8>,
 }
 
 /// Default of the largest azimuthal mode number of a surface.
-const MODES: u8 = 4;
+const MODES: usize = 4;
 
 impl AxisArgs {
-    /// The equivalent entry of `--set`.
-    pub fn setting(&self) -> Option<String> {
-        self.three_dimensional.then(|| format!("modes={}", self.modes))
+    /// The global options with the settings of these options: `--set` and `--config` may change the default number of modes.
+    ///
+    /// # Errors
+    /// The number of modes is given twice.
+    pub fn applied(&self, globals: &Globals) -> Result<Globals, InputError> {
+        let mut globals = globals.clone();
+        if self.three_dimensional {
+            globals.base_modes = MODES;
+        }
+        if let Some(modes) = self.modes {
+            globals.check_once("--modes", "modes")?;
+            globals.set.push(format!("modes={modes}"));
+        }
+        Ok(globals)
     }
 }
 
@@ -202,13 +213,10 @@ pub fn set<const N: usize>(
     settings: &mut Settings,
     of: [(&str, &str, Option<f64>); N],
 ) -> Result<(), InputError> {
-    let overrides = globals.overrides()?;
     let mut given = of.into_iter().filter_map(|(option, name, value)| Some((option, name, value?)));
-    given.try_for_each(|(option, name, value)| match overrides.iter().find(|(_, set, _)| *set == name) {
-        Some((source, _, twice)) => {
-            Err(InputError::not_allowed(*source, name, twice, format!("left out: {option} gives it")))
-        }
-        None => settings.set_number(option, name, value),
+    given.try_for_each(|(option, name, value)| {
+        globals.check_once(option, name)?;
+        settings.set_number(option, name, value)
     })
 }
 

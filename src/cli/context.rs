@@ -35,6 +35,9 @@ pub struct Globals {
     /// Sets one parameter and overrides --config; repeatable
     #[arg(help_heading = "Parameters", long, global = true, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// Azimuthal modes unless --config or --set give them
+    #[arg(skip)]
+    pub base_modes: usize,
     /// Number of solver threads; default one per core
     #[arg(help_heading = "Run", long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
@@ -62,6 +65,32 @@ pub struct Globals {
 type Given = (&'static str, &'static str, String);
 
 impl Globals {
+    /// The settings of the preset, with a configuration file and overrides.
+    ///
+    /// # Errors
+    /// As [`Settings::load`], and for 0 modes with --three-dimensional.
+    pub fn load(&self, config: Option<&Path>, overrides: &[String]) -> Result<Settings, InputError> {
+        let mut base = Settings::preset(&self.preset)?;
+        base.numerics.modes = self.base_modes;
+        let settings = base.with(config, self.law.as_deref(), overrides)?;
+        let fine = self.base_modes == 0 || settings.numerics.modes > 0;
+        InputError::require(fine, "settings", "modes", 0, "1 to 12 with --three-dimensional")?;
+        Ok(settings)
+    }
+
+    /// Rejects a parameter that both an option and `--set` give.
+    ///
+    /// # Errors
+    /// Names the parameter and its value in `--set`.
+    pub fn check_once(&self, option: &str, name: &str) -> Result<(), InputError> {
+        match self.overrides()?.into_iter().find(|(_, set, _)| *set == name) {
+            Some((source, _, twice)) => {
+                Err(InputError::not_allowed(source, name, twice, format!("left out: {option} gives it")))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// The settings of `--set`.
     ///
     /// # Errors
@@ -190,8 +219,7 @@ impl Context {
         Lineage::check_taken(lineages, given.into_iter().chain(self.overrides()?))?;
         let unused = |name: &'static str| Lineage::allowed_of_run(lineages.iter().copied(), name);
         let Some(file) = &self.globals.config else { return Ok(()) };
-        let [with, without] = [Some(file.as_path()), None]
-            .map(|config| Settings::load(&self.globals.preset, config, self.globals.law.as_deref(), &[]));
+        let [with, without] = [Some(file.as_path()), None].map(|config| self.globals.load(config, &[]));
         let (with, without) = (with?.cell, without?.cell);
         // A table of the run's shell sets the aspect ratio too.
         let by_table = |parameter: &Parameter| *parameter == Parameter::Aspect && with.shell_profile.is_some();
@@ -290,7 +318,7 @@ fn settings_in(globals: &Globals, units: &Units) -> Result<Settings, InputError>
         None => entry.clone(),
     };
     let set: Vec<String> = globals.set.iter().map(natural).collect();
-    Settings::load(&globals.preset, globals.config.as_deref(), globals.law.as_deref(), &set)
+    globals.load(globals.config.as_deref(), &set)
 }
 
 /// The radius in µm given by an entry of `--set`.

@@ -5,7 +5,7 @@ use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::messages;
-use super::output::{filled, merged, not_writable, number, print_as, seed};
+use super::output::{filled, merged, named_as_file, not_writable, number, print_as, seed};
 use super::picture::{DENSE, MovieArgs, MovieFile, Picture, PlotArgs};
 use clap::Args;
 use furrow_cell::{Cell, Cue, Numerics};
@@ -61,7 +61,7 @@ pub struct DivideArgs {
     /// listed in FILE.json; for FILE.glb one animated glTF file. Both have normals and the mean tension; lengths are in L_h.
     #[arg(help_heading = "Output", long, value_name = "DIR|FILE.ply|.glb")]
     frames: Option<PathBuf>,
-    /// Writes a frame every TAU τ instead of after every step
+    /// Writes a frame every TAU τ, interpolated linearly between steps, instead of after every step
     #[arg(help_heading = "Output", long, value_name = "TAU", requires = "frames", value_parser = number)]
     frame_step: Option<f64>,
     /// Starts from the stationary shape at the cell's activity; the outcome of a cell that does not divide is `failed`
@@ -186,7 +186,9 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     }
     // Results from a stationary shape are given only in natural units.
     let units = if until.is_some() { Units::default() } else { context.units };
-    print_as(context.json, &document(&input.cell, &units, until, &found), || text(&input.cell, &units, &found))
+    print_as(context.json, &document(&input.cell, &units, until, &found), || {
+        text(&input, &units, &found) + &one_sided(&input.cell, &found.replicates)
+    })
 }
 
 /// The page with the movie of an axisymmetric division.
@@ -214,8 +216,10 @@ fn without_axis(
     let found =
         solve(args, context, (input, args.replicates as usize), &memo, |one: &DivisionInput| filming.solve(one))?;
     let draws = args.frames.is_some() || picture.is_wanted() || movie.is_wanted();
+    // The bend of a cell without a waist is not stored.
+    let bends = found.replicates[0].division.neck_offset.is_none();
     let film = match filming.into_film() {
-        None if draws || context.json => {
+        None if draws || context.json || bends => {
             Some(Film::compute(&DivisionInput { seed: found.replicates[0].seed, ..memo.canonical(input) })?)
         }
         film => film,
@@ -237,13 +241,21 @@ fn without_axis(
             film.as_ref().map_or(Value::Null, |film| neck_report(&film.found)),
         )
     };
-    print_as(context.json, &document(), || text(&input.cell, &context.units, &found))
+    print_as(context.json, &document(), || {
+        let rest = film.as_ref().filter(|_| bends).and_then(|film| film.found.rest.as_ref());
+        let bend =
+            rest.map(|rest| format!("no waist; the middle of the cell is {:.4} L_h from the axis\n", rest.offset()));
+        text(input, &context.units, &found) + &bend.unwrap_or_default()
+    })
 }
 
 /// Checks that the frames can be written, before the computation.
 fn writable_frames(path: Option<&Path>) -> Result<(), InputError> {
     let Some(path) = path else { return Ok(()) };
     let files = FrameFiles::of(path);
+    let folder = matches!(files, FrameFiles::Csv(_));
+    let allowed = "a folder, or a file whose name ends in .ply or .glb";
+    InputError::require(!folder || !named_as_file(path), "--frames", "frames", format!("{path:?}"), allowed)?;
     let allowed = match files {
         FrameFiles::Glb(_) => "a file that can be written",
         FrameFiles::Csv(_) | FrameFiles::Ply(..) => "a folder that can be written to",
@@ -376,7 +388,7 @@ fn at_least_one(solved: Vec<Replicate>, mut failed: Vec<(u64, CliError)>) -> Res
     Ok(Divisions { replicates: solved, undecided: failed.len(), ..Divisions::default() })
 }
 
-fn text(cell: &Cell, units: &Units, found: &Divisions) -> String {
+fn text(DivisionInput { cell, numerics, .. }: &DivisionInput, units: &Units, found: &Divisions) -> String {
     let Divisions { replicates, effects: Effects { noise, mesh, .. }, .. } = found;
     let first = &replicates[0].division;
     let mut out = cell::described(cell, units, Some(cell.xi_s));
@@ -386,8 +398,8 @@ fn text(cell: &Cell, units: &Units, found: &Divisions) -> String {
     if let Some(Perturbation { start_growth_rate: rate, .. }) = &replicates[0].perturbation {
         let stable = if *rate < 0.0 { "stable" } else { "unstable" };
         let _ = writeln!(out, ", from its stationary shape, which is {stable}: growth rate {rate:.4}/τ");
-        out.extend(replicates.iter().filter_map(disturbed_line));
-        return out + &one_sided(cell, replicates);
+        out.extend(replicates.iter().filter_map(|one| disturbed_line(one, numerics.intervals)));
+        return out;
     }
     let _ = writeln!(out, ": {}", first.outcome());
     match resolved_cue(cell) {
@@ -407,7 +419,7 @@ fn text(cell: &Cell, units: &Units, found: &Divisions) -> String {
     }
     out.extend(noise.iter().filter(|noise| noise.decides).map(|noise| noise_text(noise, first)));
     out.extend(mesh.iter().filter(|mesh| mesh.decides).map(|mesh| mesh_text(mesh, first)));
-    out + &one_sided(cell, replicates)
+    out
 }
 
 /// A time with the given number of decimals; long times are rounded to significant digits.
@@ -460,11 +472,10 @@ fn division_text(d: &Division, units: &Units) -> String {
     out
 }
 
-/// The prediction of linear theory for a cell that does not divide, if a non-axisymmetric disturbance grows.
+/// The prediction of linear theory for a cell that does not divide with axial symmetry, if a non-axisymmetric disturbance grows.
 fn one_sided(cell: &Cell, solved: &[Replicate]) -> String {
-    // Without axial symmetry the bend is computed.
     let is_stable = |ending: &Ending| matches!(ending, Ending::Arrested { growth_rate: Some(rate) } if *rate < 0.0);
-    let rests = solved.iter().any(|one| is_stable(&one.division.ending) && one.division.neck_offset.is_none());
+    let rests = solved.iter().any(|one| is_stable(&one.division.ending));
     match one_sided_from(cell).filter(|from| rests && cell.xi_s > *from) {
         Some(from) => format!(
             "it rests only while it keeps its axis: above ξ_s = {from:.1} a bend to one side (m = 1) grows by linear theory; --three-dimensional computes how it ends\n"
@@ -474,15 +485,21 @@ fn one_sided(cell: &Cell, solved: &[Replicate]) -> String {
 }
 
 /// One line of a result of --from-steady.
-fn disturbed_line(Replicate { seed, division, perturbation }: &Replicate) -> Option<String> {
+fn disturbed_line(Replicate { seed, division, perturbation }: &Replicate, intervals: usize) -> Option<String> {
     let p = perturbation.as_ref()?;
     let distance = |k: usize| p.distances.get(k).map_or(0.0, |[_, distance]| *distance);
     let (last, t_end) = (distance(p.distances.len().saturating_sub(1)), division.t_end);
     let end = match division.chi() {
         Some(chi) => format!("; divides at t = {} τ, χ = {chi:.4}", time(t_end, 4)),
         None => {
-            let way = if p.returned() { "returns" } else { "leaves" };
-            format!(", {last:.2e} at t = {} τ: it {way}", time(t_end, 2))
+            let way = match (p.is_resolved(), p.returned()) {
+                (false, _) => {
+                    format!("this mesh does not resolve so slow a motion, try --set intervals={}", 2 * intervals)
+                }
+                (true, true) => "it returns".to_owned(),
+                (true, false) => "it leaves".to_owned(),
+            };
+            format!(", {last:.2e} at t = {} τ: {way}", time(t_end, 2))
         }
     };
     Some(format!("seed {seed}: dis = {:.2e} after the noise{end}\n", distance(1)))

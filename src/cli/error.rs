@@ -68,6 +68,7 @@ fn hint(error: &(dyn Error + 'static)) -> &'static str {
         (Some(GrowError::Interrupted { .. }), ..) => RESUMES,
         (_, Some(FitError::Grow(GrowError::Interrupted { .. }) | FitError::Interrupted { .. }), ..) => RESUMES,
         (_, _, Some(ShapeError::NotFound { kind: PointKind::Pitchfork, .. }), _) => "; raise --xi-max",
+        (_, _, Some(ShapeError::TurnsBack { .. }), _) => ", see furrow branch",
         (_, _, Some(ShapeError::NoPitchfork { .. }), _) => ": see furrow boundary",
         (.., Some(PerturbationError::Stationary(StationaryError::OutOfReach { .. }))) => {
             "; lower --xi, or leave out --from-steady"

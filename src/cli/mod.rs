@@ -287,24 +287,21 @@ fn survive_full_disks() {
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
 }
 
-/// The global options, including the parameter set by --three-dimensional.
-fn with_axis<'a>(globals: &'a Globals, command: &Command) -> Cow<'a, Globals> {
-    let setting = match command {
-        Command::Tree(args) => args.axis.setting(),
-        Command::Divide(args) => args.axis.setting(),
-        Command::Steady(args) => args.axis.setting(),
-        Command::Branch(args) => args.axis.setting(),
-        Command::Reproduce(args) => args.axis.setting(),
-        Command::Boundary(args) => args.axis.setting(),
-        Command::Phase(args) => args.axis.setting(),
-        Command::Sweep(args) => args.axis.setting(),
-        Command::Solve(args) => args.axis.setting(),
-        _ => None,
+/// The global options, with the settings of --three-dimensional and --modes.
+fn with_axis<'a>(globals: &'a Globals, command: &Command) -> Result<Cow<'a, Globals>, CliError> {
+    let axis = match command {
+        Command::Tree(args) => &args.axis,
+        Command::Divide(args) => &args.axis,
+        Command::Steady(args) => &args.axis,
+        Command::Branch(args) => &args.axis,
+        Command::Reproduce(args) => &args.axis,
+        Command::Boundary(args) => &args.axis,
+        Command::Phase(args) => &args.axis,
+        Command::Sweep(args) => &args.axis,
+        Command::Solve(args) => &args.axis,
+        _ => return Ok(Cow::Borrowed(globals)),
     };
-    let Some(setting) = setting else { return Cow::Borrowed(globals) };
-    let mut globals = globals.clone();
-    globals.set.push(setting);
-    Cow::Owned(globals)
+    Ok(Cow::Owned(axis.applied(globals)?))
 }
 
 fn run(globals: &Globals, command: Command) -> Result<(), CliError> {
@@ -312,7 +309,7 @@ fn run(globals: &Globals, command: Command) -> Result<(), CliError> {
     if !matches!(command, Command::Divide(_)) {
         interrupt::listen();
     }
-    let globals = &*with_axis(globals, &command);
+    let globals = &*with_axis(globals, &command)?;
     match command {
         Command::Tree(args) => tree::run(&args, &Context::new(globals)?),
         Command::Divide(args) => divide::run(&args, Context::new(globals)?),

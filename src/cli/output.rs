@@ -48,6 +48,15 @@ pub fn print_usage(error: &clap::Error) -> Result<(), CliError> {
     if error.use_stderr() { Err(CliError::Usage) } else { Ok(printed?) }
 }
 
+/// Endings of the names of files.
+const FILES: [&str; 13] = ["csv", "tsv", "txt", "json", "svg", "pdf", "png", "gif", "html", "obj", "stl", "ply", "glb"];
+
+/// Whether a path that is no folder yet has the name of a file: no folder of this name should be made.
+pub fn named_as_file(path: &Path) -> bool {
+    let ending = path.extension().and_then(|name| name.to_str()).unwrap_or_default().to_ascii_lowercase();
+    FILES.contains(&ending.as_str()) && !path.is_dir()
+}
+
 /// Checks that these files can be written into the folder of an option, before the computation.
 pub fn writable_folder<'a>(
     option: &str,
@@ -55,6 +64,14 @@ pub fn writable_folder<'a>(
     names: &[&str],
 ) -> Result<(), InputError> {
     let Some(folder) = folder.into() else { return Ok(()) };
+    let allowed = "a folder; this is the name of a file";
+    InputError::require(
+        !named_as_file(folder),
+        option,
+        option.trim_start_matches('-'),
+        format!("{folder:?}"),
+        allowed,
+    )?;
     check_folder(folder, names).map_err(|error| not_writable(option, folder, "a folder that can be written to", &error))
 }
 

@@ -78,9 +78,8 @@ fn without_axis(cell: Cell, context: &Context) -> Result<(), CliError> {
         let mut out = format!("{cell}, without axial symmetry: {verdict}\n");
         let (l, p, h) = (rest.length(), rest.state.pressure, rest.elongation());
         let _ = writeln!(out, "L = {l:.6}, p = {p:.6}, H = {h:.6}, equator radius {:.6}", rest.equator_radius());
-        if let Some(offset) = found.division.neck_offset {
-            let _ = writeln!(out, "waist {offset:.6} L_h from the axis");
-        }
+        let part = if rest.has_waist() { "waist" } else { "no waist; middle" };
+        let _ = writeln!(out, "{part} {:.6} L_h from the axis", rest.offset());
         out += "growth rates of all modes (1/τ):\n";
         for rate in &rest.rates {
             let imaginary = if rate.im == 0.0 { String::new() } else { format!(" {:+.6}i", rate.im) };

@@ -11,7 +11,7 @@ use super::progress::ProgressLine;
 use clap::Args;
 use furrow_analysis::sweep_files::{SWEEP_FILES, SweepTable};
 use furrow_analysis::{Kind, Run, Shard, Sweep, SweepProgress};
-use furrow_cell::settings::{Overrides, Settings};
+use furrow_cell::settings::Overrides;
 use furrow_figures::plot;
 use furrow_formats::files::WriteError;
 use furrow_lineage::batch::Summary;
@@ -45,7 +45,7 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     interrupt::finish();
     // The sweep file overrides --config; --set overrides the sweep file.
     let globals = &context.globals;
-    let base = Settings::load(&globals.preset, globals.config.as_deref(), globals.law.as_deref(), &[])?;
+    let base = globals.load(globals.config.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &Overrides::read(&globals.set)?)?;
     if !matches!(sweep.kind, Kind::Division | Kind::Tree | Kind::Critical) {
         sweep.settings.check_axisymmetric("settings")?;

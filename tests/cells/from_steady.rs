@@ -35,6 +35,16 @@ fn distances_grow_and_decay_at_the_leading_rate() {
     }
 }
 
+/// On the usual mesh a division shifts growth rates by −5e-4/τ, so that a shape that is left slowly seems to return.
+#[test]
+fn a_growth_rate_below_the_accuracy_of_the_mesh_is_not_resolved() {
+    let input = DivisionInput::new(Cell { xi_s: 22.066, ..Cell::new(2.0) });
+    let finer = DivisionInput { numerics: Numerics { intervals: 96, ..input.numerics }, ..input.clone() };
+    let [coarse, fine] = [input, finer].map(|input| watched(&input));
+    assert!(coarse.start_growth_rate > 0.0 && coarse.returned() && !coarse.is_resolved());
+    assert!(!fine.returned() && fine.is_resolved());
+}
+
 /// On both sides of the threshold, with and without a cue, below the critical radius and above; with noise of any seed.
 #[test]
 fn what_returns_is_what_is_stable() {

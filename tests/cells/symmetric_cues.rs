@@ -93,7 +93,7 @@ fn even_cues_keep_the_pitchfork() {
         let found = branch.pitchforks().next().unwrap();
         println!("{cue}: pitchfork at {:.6}, without {without:.6}", found.point.xi_s);
         assert!((found.point.xi_s - without).abs() > 0.05, "the cue moves it");
-        assert!(branch.points.iter().all(|point| point.delta_u == 0.0));
+        assert!(branch.points.iter().all(|point| point.delta_u == Some(0.0)));
         let active = Cell { xi_s: found.point.xi_s, ..cell.clone() };
         let mut half = found.shape.clone();
         half.scalars.truncate(2);

@@ -16,7 +16,8 @@ const THRESHOLD: &str = "threshold";
 const POINTS: u32 = 24;
 
 /// [`diagram`], with the bent branch among its branches if the numerics have azimuthal modes, and the bent states; they are `None`
-/// if they cannot be followed, with a warning.
+/// if they cannot be followed, with a warning. The growth rate of an axisymmetric shape is then the largest for all modes of the
+/// numerics, as for a bent state.
 ///
 /// # Errors
 /// [`BentError::NoMirror`], and a branch of axisymmetric shapes that cannot be followed.
@@ -32,7 +33,16 @@ pub fn diagram_with_bent(
         Err(error) => (None, Some(format!("no bent branch: {error}"))),
         Ok(found) => (found, None),
     };
-    let mut all = diagram(cell, numerics, options)?;
+    // The linear theory of disturbances around the axis has the paper's law alone.
+    let modes = if cell.law.is_none() { numerics.modes } else { 0 };
+    let options = BranchOptions { azimuthal: options.azimuthal.max(modes), ..options.clone() };
+    let mut all = diagram(cell, numerics, &options)?;
+    for (_, branch) in all.branches.iter_mut().filter(|_| modes > 0) {
+        for (point, rates) in branch.points.iter_mut().zip(&branch.azimuthal.rates) {
+            let largest = |most: Option<f64>, rate: &Option<f64>| most.zip(*rate).map(|(a, b)| a.max(b));
+            point.growth_rate = rates.iter().take(modes).fold(point.growth_rate, largest);
+        }
+    }
     all.warnings.extend(warning);
     all.branches.extend(found.iter().map(|found| ("bent", found.shapes())));
     Ok((all, found))

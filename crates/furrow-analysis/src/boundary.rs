@@ -99,6 +99,14 @@ pub fn boundary(
         false => curves::boundary_curves(cell, numerics, parameter, range, activity)?,
     };
     let mut warnings = Vec::new();
+    let is_symmetric = |value: f64| {
+        let mut cell = cell.clone();
+        parameter.set(&mut cell, value);
+        cell.is_mirror_symmetric()
+    };
+    if found.pitchfork.is_none() && range.into_iter().all(is_symmetric) {
+        warnings.push("no end of the range has a pitchfork; the curves are those of folds".to_owned());
+    }
     let on_curve = critical::value_on(&found, parameter);
     let point = || critical_point(cell, numerics, parameter, range, on_curve, &mut warnings);
     let critical = match options.critical.then(point) {

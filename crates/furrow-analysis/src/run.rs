@@ -378,9 +378,11 @@ fn pitchfork_results(input: &DivisionInput, budget: &StepBudget<'_>) -> Result<R
             let values = [point.xi_s.into(), criticality.into(), found.coefficient.into(), point.elongation.into()];
             Ok((values.to_vec(), None))
         }
-        Err(ShapeError::NotFound { kind: PointKind::Pitchfork, .. } | ShapeError::NoPitchfork { .. }) => {
-            Ok((vec![Value::Null, "none".into(), Value::Null, Value::Null], None))
-        }
+        Err(
+            ShapeError::NotFound { kind: PointKind::Pitchfork, .. }
+            | ShapeError::TurnsBack { .. }
+            | ShapeError::NoPitchfork { .. },
+        ) => Ok((vec![Value::Null, "none".into(), Value::Null, Value::Null], None)),
         Err(error) => Err(error),
     }
 }

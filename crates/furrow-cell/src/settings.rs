@@ -221,16 +221,28 @@ impl Settings {
         law: Option<&Path>,
         overrides: &[String],
     ) -> Result<Settings, InputError> {
-        let mut settings = Settings::preset(preset)?;
+        Settings::preset(preset)?.with(config, law, overrides)
+    }
+
+    /// These settings with a configuration file, a law and overrides, as in [`Settings::load`].
+    ///
+    /// # Errors
+    /// As [`Settings::load`].
+    pub fn with(
+        mut self,
+        config: Option<&Path>,
+        law: Option<&Path>,
+        overrides: &[String],
+    ) -> Result<Settings, InputError> {
         if let Some(path) = law {
-            settings.cell.law = Law::read(path)?.map(Box::new);
+            self.cell.law = Law::read(path)?.map(Box::new);
         }
         if let Some(path) = config {
             let file = path.display().to_string();
-            settings.apply_config(&read_text(path)?, &file)?;
+            self.apply_config(&read_text(path)?, &file)?;
         }
-        settings.apply_overrides(overrides)?;
-        Ok(settings)
+        self.apply_overrides(overrides)?;
+        Ok(self)
     }
 
     /// Applies and checks the text of a configuration file.

@@ -24,6 +24,8 @@ pub const WATCHED: f64 = 40.0;
 const STEPS: f64 = 200.0;
 /// Distances below this, in L_h, are within the accuracy of time steps, so that their growth is not significant.
 const SOLVED: f64 = 1e-8;
+/// Growth rates below this, in 1/τ, may have the wrong sign on the mesh of a division, which shifts them by up to 5e-4.
+const RESOLVED: f64 = 1e-3;
 /// Longest step times the growth rate of the perturbation.
 const GROWTH_PER_STEP: f64 = 0.1;
 
@@ -48,6 +50,12 @@ impl Perturbation {
         let half = self.distances.iter().find(|[t, _]| *t >= 0.5 * end[0]).map_or(0.0, |[_, distance]| *distance);
         let noise = self.distances.get(1).map_or(0.0, |[_, distance]| *distance);
         self.division.outcome() == Outcome::Arrested && end[1] < noise && (end[1] <= half || end[1] < SOLVED)
+    }
+
+    /// Whether the mesh resolves the motion. It does not if the cell contradicts the sign of a slow growth rate.
+    pub fn is_resolved(&self) -> bool {
+        let agrees = self.returned() == (self.start_growth_rate < 0.0);
+        agrees || self.division.outcome() != Outcome::Arrested || self.start_growth_rate.abs() > RESOLVED
     }
 
     /// The rate at which dis(t) increases (or, if negative, decreases) while it lies between `low` and `high` for the

@@ -183,6 +183,6 @@ pub(super) fn listed(settings: Settings, more: &str) -> String {
     let commit = git_commit.map_or(String::new(), |commit| format!(", commit {commit}"));
     let text = escape(&format!("{}furrow {furrow}{commit}", rounded(&(text + more))));
     format!(
-        "<section class=\"card\"><h2>Parameters</h2>\n<p>Units: energy κ₀, length L<sub>h</sub> = √(η<sub>b</sub>/Γ), time τ = η<sub>b</sub>L<sub>h</sub>²/κ₀. The shell constants (aspect, p0, w) and the gain of the preset are not printed in the paper; they were recovered by fitting its four printed thresholds.</p>\n<pre>{text}</pre></section>\n"
+        "<section class=\"card\"><h2>Parameters</h2>\n<p>Units: energy κ₀, length L<sub>h</sub> = √(η<sub>b</sub>/Γ), time τ = η<sub>b</sub>L<sub>h</sub>²/κ₀. The paper prints neither the shell constants (aspect, p0, w) nor the gain. The preset gao2026 fits them to all statements of the paper, gao2026-thresholds only to its four printed thresholds, sulston1983 to the rounds of the C. elegans founders.</p>\n<pre>{text}</pre></section>\n"
     )
 }

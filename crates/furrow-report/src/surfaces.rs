@@ -8,17 +8,19 @@ use serde_json::{Value, json};
 /// A state at rest, and its leading growth rates over all modes; `found` led to it.
 pub fn rest_report(found: &SurfaceDivision, rest: &AtRest) -> Value {
     let rates: Vec<Value> = rest.rates.iter().map(|rate| json!({ "re": rate.re, "im": rate.im })).collect();
+    let [reduced_volume, bending_energy] = rest.reduced_volume_and_bending();
     json!({
         "L": rest.length(), "p": rest.state.pressure, "H": rest.elongation(), "r_eq": rest.equator_radius(),
         "stable": rest.growth_rate() < 0.0, "growth_rate": rest.growth_rate(), "growth_rates": rates,
-        "neck_offset": found.division.neck_offset, "modes": found.modes,
+        "neck_offset": rest.offset(), "modes": found.modes,
+        "reduced_volume": reduced_volume, "bending_energy": bending_energy,
     })
 }
 
-/// The number of azimuthal modes at the end of a division, and its neck over time.
+/// The number of azimuthal modes at the end of a division, its neck over time, and at rest the distance of the cell from the axis.
 pub fn neck_report(found: &SurfaceDivision) -> Value {
     let over_time = |value: fn(&NeckAt) -> f64| found.necks.iter().map(value).collect::<Vec<_>>();
-    json!({
+    let mut report = json!({
         "modes": found.modes,
         "neck": {
             "t": over_time(|at| at.t),
@@ -27,7 +29,11 @@ pub fn neck_report(found: &SurfaceDivision) -> Value {
             "position": over_time(|at| at.neck.height),
             "tilt": over_time(|at| at.neck.tilt),
         },
-    })
+    });
+    if let Some(rest) = &found.rest {
+        report["neck_offset"] = json!(rest.offset());
+    }
+    report
 }
 
 /// Where the bent states of a cell begin, with c of ξ_s = ξ₁ + c bend², their odd pitchfork and their fold.

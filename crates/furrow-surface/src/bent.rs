@@ -43,6 +43,10 @@ pub struct BentPoint {
     pub elongation: f64,
     /// Length of the middle ring divided by 2π, in L_h.
     pub equator_radius: f64,
+    /// Volume divided by the volume of a sphere with the same area.
+    pub reduced_volume: f64,
+    /// Energy of bending, in κ0.
+    pub bending_energy: f64,
     /// Radius of the neck divided by R0, if there is a waist.
     pub neck: Option<f64>,
     /// Distance of the neck's centre from the axis, in L_h.
@@ -60,9 +64,9 @@ impl BentPoint {
             equator_radius: self.equator_radius,
             arclength: self.bend,
             growth_rate: Some(self.even.max(self.odd)),
-            // Not computed.
-            reduced_volume: f64::NAN,
-            bending_energy: f64::NAN,
+            delta_u: Some(0.0),
+            reduced_volume: self.reduced_volume,
+            bending_energy: self.bending_energy,
             ..ShapePoint::default()
         }
     }
@@ -374,6 +378,7 @@ impl Bent {
     fn point(&self) -> Result<BentPoint, RatesError> {
         let rest = self.at_rest();
         let neck = neck(&self.problem.space, &self.state.surface);
+        let [reduced_volume, bending_energy] = rest.reduced_volume_and_bending();
         Ok(BentPoint {
             xi_s: self.cell.xi_s,
             bend: self.bend(),
@@ -384,6 +389,8 @@ impl Bent {
             pressure: self.state.pressure,
             elongation: rest.elongation(),
             equator_radius: rest.equator_radius(),
+            reduced_volume,
+            bending_energy,
             neck: neck.map(|neck| neck.radius / self.cell.r0),
             neck_offset: neck.map(|neck| neck.offset.abs()),
         })

@@ -64,7 +64,7 @@ const SLIT: f64 = 0.5;
 const CLOSING: f64 = 0.08;
 /// Local error of a step, relative to R0, for each unit of the numerics' tolerance.
 const ERROR: f64 = 6.0;
-/// Longest step, in τ, so that growing modes are not damped.
+/// Longest step, in τ at viscosity 1, so that growing modes are not damped. Motion slows in proportion to the viscosity.
 const LONGEST: f64 = 0.05;
 /// Longest step relative to the time since the start, because some initial motions are small and grow fast.
 const EARLY: f64 = 0.03;
@@ -74,20 +74,20 @@ const MOVED: f64 = 50.0;
 /// Rate at which the mesh follows the target mesh, for a change of 1. If the mesh moved by a fixed fraction in every step, shorter steps
 /// would not be smoother.
 const FOLLOWING: f64 = 1.2;
-/// Relaxation times of the mesh, relative to R0², for a neck on the axis and for an off-axis neck. Without drag the rings of a deep
+/// Relaxation times of the mesh, relative to R0² and at viscosity 1, for a neck on the axis and for an off-axis neck. Without drag the rings of a deep
 /// one-sided furrow may have no equilibrium close to the previous one; with too much drag rings lag behind a closing neck.
 const DRAG: [f64; 2] = [0.005, 0.05];
-/// A surface slower than this, relative to R0 and in 1/τ, may take longer steps, limited by its fastest disturbance.
+/// A surface slower than this, relative to R0 and in 1/τ at viscosity 1, may take longer steps, limited by its fastest disturbance.
 const CREEPING: f64 = 5e-3;
 /// Longest step of a slowly moving surface, relative to the time in which its fastest disturbance grows by a factor e.
 const GROWING: f64 = 0.1;
 /// Number of steps after which the growth rates of a slowly moving surface are recomputed.
 const CREPT: usize = 20;
-/// Shortest step, in τ.
+/// Shortest step, in τ at viscosity 1.
 const SHORTEST: f64 = 1e-9;
 /// Largest relative narrowing of the neck in a step.
 const NARROWING: f64 = 0.25;
-/// A surface slower than this, relative to R0 and in 1/τ, may be at rest.
+/// A surface slower than this, relative to R0 and in 1/τ at viscosity 1, may be at rest.
 const SLOW: f64 = 2e-5;
 /// Largest distance of a slow surface from a stationary one, relative to R0, at which it counts as stationary.
 const CLOSE: f64 = 0.02;
@@ -129,15 +129,17 @@ pub(crate) fn run(
     let first = &stepper.history[0].state.surface;
     stepper.problem.noise = noise::factors(&stepper.problem, first, numerics, *seed, symmetric);
     observe(&stepper.problem, &stepper.history[0]);
+    let viscosity = cell.material.eta_b;
     let mut run = Run {
         r0: cell.r0,
+        viscosity,
         epsilon: cell.epsilon,
         advice: advice_on_motion(&cell.cue),
         numerics,
         // The local error is of third order.
         tolerance: ERROR * numerics.time_tolerance * cell.r0 * numerics.step_factor.powi(3),
         dt: numerics.first_step,
-        longest: LONGEST,
+        longest: LONGEST * viscosity,
         crept: 0,
         necks: Vec::new(),
         speed: f64::INFINITY,
@@ -209,7 +211,7 @@ pub fn start(cell: &Cell, plates: Plates, numerics: &Numerics) -> Result<(Proble
         problem.plates = plates.factors(flattening);
         problem
             .settle(&mut state, Problem::wanted_density, &mut Work::default())
-            .map_err(|source| stalled(cell.r0, [0.0, 0.0, 1.0], source.to_string()))?;
+            .map_err(|source| DivisionError::NoPassiveSurface { r0: cell.r0, reason: source.to_string() })?;
     }
     problem.constants = Constants::new(cell, |_, value| value);
     Ok((problem, state))
@@ -262,6 +264,8 @@ fn steps_left(before: f64, now: f64, target: f64) -> f64 {
 /// A division in progress.
 struct Run<'a> {
     r0: f64,
+    /// Bulk viscosity η_b, by which times scale.
+    viscosity: f64,
     epsilon: f64,
     /// The message for a cell that continues to move.
     advice: &'static str,
@@ -274,7 +278,7 @@ struct Run<'a> {
     /// Steps of a slowly moving surface since its growth rates were computed.
     crept: usize,
     necks: Vec<NeckAt>,
-    /// Normal speed in the last step, as a root mean square over the surface relative to R0, in 1/τ.
+    /// Normal speed in the last step, as a root mean square over the surface relative to R0, in 1/τ at viscosity 1.
     speed: f64,
     /// Largest relative deviation of the volume.
     drift: f64,
@@ -310,7 +314,7 @@ impl Run<'_> {
                 }
             };
             stepper.work.rejected += 1;
-            if self.dt < SHORTEST {
+            if self.dt < SHORTEST * self.viscosity {
                 let neck = self.necks.last().map_or(1.0, |at| at.neck.radius / self.r0);
                 return Err(stalled(self.r0, [stepper.history[0].t, self.dt, neck], reason));
             }
@@ -324,7 +328,7 @@ impl Run<'_> {
         let found = neck(&problem.space, &level.state.surface);
         let moved = problem.normal_distance(&level.state.surface, &stepper.history[0].state.surface);
         let mut growth = error.map_or(1.0, |error| (0.8 / error.max(1e-3).cbrt()).clamp(0.5, 2.0));
-        self.speed = moved / (t - stepper.history[0].t) / self.r0;
+        self.speed = moved / (t - stepper.history[0].t) / self.r0 * self.viscosity;
         let mut change = MOVED * moved / self.r0;
         let mut drag = DRAG[0];
         if let Some(neck) = found {
@@ -350,9 +354,10 @@ impl Run<'_> {
 
     /// Sets the longest step of a slowly moving surface, so that its growing disturbances are resolved.
     fn creep(&mut self, stepper: &Stepper) {
+        let usual = LONGEST * self.viscosity;
         if self.speed > CREEPING {
-            (self.longest, self.crept) = (LONGEST, 0);
-            self.dt = self.dt.min(LONGEST * self.numerics.step_factor);
+            (self.longest, self.crept) = (usual, 0);
+            self.dt = self.dt.min(usual * self.numerics.step_factor);
             return;
         }
         self.crept += 1;
@@ -362,7 +367,7 @@ impl Run<'_> {
         self.crept = 0;
         let rates = stepper.problem.rates(&stepper.history[0].state, 1, Among::All);
         let fastest = rates.ok().and_then(|rates| rates.first().map(|rate| rate.re)).unwrap_or(f64::INFINITY);
-        self.longest = (GROWING / fastest.max(0.0)).clamp(LONGEST, (2.0 * self.longest).max(LONGEST));
+        self.longest = (GROWING / fastest.max(0.0)).clamp(usual, (2.0 * self.longest).max(usual));
     }
 
     /// The division, if the neck has closed; `failed` if no further step can be computed.

@@ -133,7 +133,12 @@ impl Step {
 
     /// The samples of the surface.
     pub fn still(&self) -> Still {
-        Still { shape: self.shape, samples: sample(&self.problem, &self.state, ROWS, COLUMNS) }
+        let mut samples = sample(&self.problem, &self.state, ROWS, COLUMNS);
+        if self.shape.t == 0.0 {
+            // The cell is passive until the first step.
+            samples.iter_mut().for_each(|at| at.tension = 0.0);
+        }
+        Still { shape: self.shape, samples }
     }
 }
 

@@ -49,8 +49,9 @@ impl Mesh {
         out
     }
 
-    /// Sets the weights for a surface near the solution, with a mean meridian of length `length`.
-    pub fn follow(&mut self, space: &Space, surface: &[f64], length: f64) {
+    /// Sets the weights for a surface near the solution, with a mean meridian of length `length`. They are divided by the
+    /// viscosity, so that S.5 relates to the velocities in S.4 in the same way at every unit of time.
+    pub fn follow(&mut self, space: &Space, surface: &[f64], length: f64, viscosity: f64) {
         let mut functions = Vec::new();
         self.weights.clear();
         for station in &space.stations {
@@ -63,7 +64,8 @@ impl Mesh {
             let radius = ring(space, &functions);
             let rings = RINGS * (length / radius).powi(2) * density;
             let held = AXIS * (2.0 * station.u - 1.0).powi(8) * density;
-            self.weights.push([1.0 / density, -slope / (density * density), rings, held]);
+            let weights = [1.0 / density, -slope / (density * density), rings, held];
+            self.weights.push(weights.map(|weight| weight / viscosity));
         }
     }
 }

@@ -38,6 +38,13 @@ pub(crate) fn radius_at(space: &Space, surface: &[f64], u: f64) -> f64 {
     points.iter().map(|[_, _, part, _]| part).sum::<f64>() / points.len() as f64
 }
 
+/// Distance from the axis, in L_h, of the centre of the ring at u.
+pub(crate) fn offset_at(space: &Space, surface: &[f64], u: f64) -> f64 {
+    let points = ring(space, surface, u);
+    let length: f64 = points.iter().map(|[_, _, part, _]| part).sum();
+    (points.iter().map(|[x, _, part, _]| part * x).sum::<f64>() / length).abs()
+}
+
 /// Number of positions between two stations at which the neck is sought.
 const REFINEMENTS: usize = 40;
 

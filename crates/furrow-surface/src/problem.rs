@@ -50,7 +50,7 @@ pub struct Problem {
     pub plates: Vector<f64>,
     /// The distribution of the mesh.
     pub mesh: Mesh,
-    /// Drag of the mesh, in τ/L_h², which sets how fast it follows its target distribution; 0 for stationary surfaces.
+    /// Drag of the mesh, in τ/L_h² at viscosity 1, which sets how fast it follows its target distribution; 0 for stationary surfaces.
     pub drag: f64,
     /// Motion of the surface.
     pub motion: Motion,
@@ -87,7 +87,13 @@ impl Problem {
     /// The weights of the mesh for a surface near the solution.
     pub fn spread(&mut self, surface: &[f64]) {
         let (_, length) = self.speeds(surface);
-        self.mesh.follow(&self.space, surface, length);
+        self.mesh.follow(&self.space, surface, length, self.viscosity());
+    }
+
+    /// The bulk viscosity η_b, by which times scale.
+    pub fn viscosity(&self) -> f64 {
+        let uniform = &self.constants.uniform;
+        0.5 * (uniform.eta_sum + uniform.eta_difference)
     }
 
     /// The volume inside a surface, in L_h³.

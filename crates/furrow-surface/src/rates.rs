@@ -45,7 +45,7 @@ pub enum Among {
     Odd,
 }
 
-/// The shift, in 1/τ, slightly above the largest growth rates of stationary cells.
+/// The shift, in 1/τ at viscosity 1, slightly above the largest growth rates of stationary cells.
 const SHIFT: f64 = 6.0;
 
 impl Problem {
@@ -63,7 +63,8 @@ impl Problem {
             problem.drag = 0.0;
             problem.jacobian(state)
         };
-        let (still, shifted) = (at(0.0), at(SHIFT));
+        let shift = SHIFT / self.viscosity();
+        let (still, shifted) = (at(0.0), at(shift));
         let size = still.size();
         let keep = self.projection(among);
         let moving = shifted.clone();
@@ -72,7 +73,7 @@ impl Problem {
             let mut from = from.to_vec();
             keep(&mut from);
             let (a, b) = (moving.apply(&from), still.apply(&from));
-            to.iter_mut().zip(a.iter().zip(b)).for_each(|(to, (a, b))| *to = (a - b) / SHIFT);
+            to.iter_mut().zip(a.iter().zip(b)).for_each(|(to, (a, b))| *to = (a - b) / shift);
             factored.solve(to, &[0.0]);
             keep(to);
             Ok(())
@@ -81,7 +82,7 @@ impl Problem {
         let found = arnoldi.largest(&mut Krylov::default(), &vec![1.0; size], apply)?;
         let rate = |re: f64, im: f64| {
             let square = re * re + im * im;
-            Rate { re: SHIFT - re / square, im: im / square }
+            Rate { re: shift - re / square, im: im / square }
         };
         let mut rates: Vec<Rate> = found.iter().map(|value| rate(value.re, value.im)).collect();
         rates.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));

@@ -1,10 +1,12 @@
 //! Stationary states without axial symmetry, and their stability.
 
+use furrow_mechanics::cortex::observables::reduced_volume;
 use furrow_mechanics::division::{DivisionError, DivisionInput};
 
 use crate::division::{AtRest, SurfaceDivision, run};
 use crate::film::{COLUMNS, ROWS};
-use crate::neck::radius_at;
+use crate::law::Geometry;
+use crate::neck::{neck, offset_at, radius_at};
 use crate::sample::{Sample, sample};
 
 /// The stationary state that a cell reaches from the passive shape. Mirror-symmetric cells get mirror-symmetric noise, so their state
@@ -58,8 +60,37 @@ impl AtRest {
 
     /// Length of the ring in the middle of the mean meridian divided by 2π, in L_h.
     pub fn equator_radius(&self) -> f64 {
-        let surface = &self.state.surface;
-        radius_at(&self.problem.space, surface, self.problem.mean_meridian(surface).u_at(0.5))
+        radius_at(&self.problem.space, &self.state.surface, self.middle())
+    }
+
+    /// Coordinate u of the ring in the middle of the mean meridian.
+    fn middle(&self) -> f64 {
+        self.problem.mean_meridian(&self.state.surface).u_at(0.5)
+    }
+
+    /// Whether it has a waist.
+    pub fn has_waist(&self) -> bool {
+        neck(&self.problem.space, &self.state.surface).is_some()
+    }
+
+    /// Distance from the axis, in L_h, of the centre of its waist, or without a waist of the ring in the middle of the mean meridian.
+    pub fn offset(&self) -> f64 {
+        let (space, surface) = (&self.problem.space, &self.state.surface);
+        neck(space, surface).map_or_else(|| offset_at(space, surface, self.middle()), |neck| neck.offset.abs())
+    }
+
+    /// Reduced volume, the volume divided by the volume of a sphere with the same area, and the energy of bending ∫ ½κ(C − C0)² dA,
+    /// in κ0.
+    pub fn reduced_volume_and_bending(&self) -> [f64; 2] {
+        let space = &self.problem.space;
+        let [mut area, mut bending] = [0.0; 2];
+        self.problem.for_each_point(&self.state, |q, _, place, x, _, _| {
+            let geometry = Geometry::new(x);
+            let part = space.stations[q].weight * space.meridian_weight() * geometry.area;
+            area += part;
+            bending += 0.5 * place.local.kappa * (geometry.mean - place.local.spontaneous).powi(2) * part;
+        });
+        [reduced_volume(self.problem.radius(), area), bending]
     }
 
     /// The leading growth rate over all modes of the surface, including odd ones, in 1/τ.

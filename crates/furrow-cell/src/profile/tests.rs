@@ -76,6 +76,29 @@ fn noise_is_smoothed() {
     }
 }
 
+/// With terms that count once, six of these tables keep more than six terms.
+#[test]
+fn few_noisy_tables_keep_terms_that_describe_noise() {
+    let mut state = 1_u64;
+    let mut uniform = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f64 / (1_u64 << 24) as f64
+    };
+    let mut noisy = || {
+        let row = |(k, line): (usize, &str)| {
+            // Close to a normal distribution, with standard deviation 1.
+            let noise = (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+            match line.split_once(',').zip((1..42).contains(&k).then_some(())) {
+                Some(((z, r), ())) => format!("{z},{}\n", r.parse::<f64>().unwrap() * (1.0 + 0.005 * noise)),
+                None => format!("{line}\n"),
+            }
+        };
+        table(41, 0.0).lines().enumerate().map(row).collect::<String>()
+    };
+    let many = (0..50).filter(|_| read(&noisy()).unwrap().factor().series().len() > 6).count();
+    assert!(many <= 2, "{many}");
+}
+
 #[test]
 fn slopes_are_those_of_the_level_also_in_numbers_with_derivatives() {
     use num_dual::Dual64;

@@ -3,7 +3,7 @@
 use super::canvas::{Anchor, Canvas, Label, Stroke};
 use super::font;
 use super::legend::{Marker, point};
-use super::style::{Colour, FAINT, GRID, INK, MUTED, text};
+use super::style::{Colour, FAINT, GRID, INK, MUTED, WHITE, text};
 
 /// The positions of an axis's ticks and grid lines.
 #[derive(Clone, Debug)]
@@ -208,9 +208,14 @@ impl Chart<'_> {
             self.canvas.text([x, last - 16.0 * k as f64], line, size, Anchor::Middle, INK);
         }
         let (size, found) = lines(&self.y.label, down[1]);
+        let words = self.y.marks().into_iter().filter(|_| self.y.numbered);
+        let widest = words.map(|(_, word)| font::width(&word, text::TICK)).fold(0.0, f64::max);
+        // Left of the ticks' labels, within the canvas.
+        let least = across[0] + 16.0 + 17.0 * found.len().saturating_sub(1) as f64;
+        let last = (across[0] + 30.0).min(left - 16.0 - widest).max(least);
         for (k, line) in found.iter().rev().enumerate() {
             let y = inside(0.5 * (top + bottom), down, line, size);
-            let at = [across[0] + 30.0 - 17.0 * k as f64, y];
+            let at = [last - 17.0 * k as f64, y];
             self.canvas.label(Label::new(at, line, size, Anchor::Middle, INK).upwards());
         }
     }
@@ -236,6 +241,13 @@ impl Chart<'_> {
         if points.len() > 1 {
             self.canvas.clipped(self.frame, |canvas| canvas.polyline(&points, stroke));
         }
+    }
+
+    /// Writes a note into the middle, for a chart without data.
+    pub fn note(&mut self, words: &str) {
+        let [left, top, right, bottom] = self.frame;
+        let middle = [0.5 * (left + right), 0.5 * (top + bottom)];
+        self.canvas.label(Label::new(middle, words, text::LABEL, Anchor::Middle, MUTED).over(WHITE));
     }
 
     /// Draws a point.

@@ -1,8 +1,9 @@
 //! The boundary of division over a parameter: curves of pitchforks and folds in the plane of the parameter and
 //! activity, and the boundary's position at the cell's own activity.
 
+use crate::drawing::font;
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Chart, Mark, widened};
+use crate::drawing::panel::{Axis, Chart, Mark, Rows, widened};
 use crate::drawing::style::{self, FOLD, PITCHFORK, text};
 use crate::drawing::{Anchor, Canvas, Label, Stroke};
 use furrow_analysis::BoundaryStudy;
@@ -22,7 +23,7 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
     let points = || of.pitchfork.points.iter().chain(others().flat_map(|curve| &curve.points));
     let place = |point: &CurvePoint| [point.value, point.xi_s];
     let bent_critical = of.bent_critical.as_ref().map(place);
-    let critical: Vec<[f64; 2]> = of.critical.as_ref().map(place).into_iter().chain(bent_critical).collect();
+    let critical: Vec<[f64; 2]> = bent_critical.into_iter().chain(of.critical.as_ref().map(place)).collect();
     let heights = points().map(|p| p.xi_s).chain(critical.iter().map(|at| at[1]));
     let across = of.range.into_iter().chain(critical.iter().map(|at| at[0]));
     let x = Axis::new(style::parameter(of.parameter, &of.cell.cue), widened(across, 0.02));
@@ -51,6 +52,8 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
     let cusps = of.cusps.iter().map(|point| (place(point), Marker::Diamond, FOLD));
     let triangles = critical.iter().map(|at| (*at, Marker::Triangle, style::ASYMMETRIC));
     let marks: Vec<Mark> = bent_rings.chain(rings).chain(cusps).chain(triangles).collect();
+    // Texts that would run into each other go into different rows.
+    let mut rows = Rows::default();
     for point in critical {
         let at = chart.at(point);
         let [left, _, _, bottom] = chart.frame;
@@ -60,9 +63,10 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
         let word = format!("{:.4} at ξₛ = {}", point[0], (point[1] * 1e6).round() * 1e-6);
         let right = at[0] > 0.6 * WIDTH;
         let (x, anchor) = if right { (at[0] - 14.0, Anchor::End) } else { (at[0] + 14.0, Anchor::Start) };
-        chart
-            .canvas
-            .label(Label::new([x, at[1] - 12.0], &word, text::LABEL, anchor, style::ASYMMETRIC).over(style::WHITE));
+        let width = font::width(&word, text::LABEL) + 24.0;
+        let row = rows.free(if right { [x - width, x] } else { [x, x + width] });
+        let place = [x, at[1] - 12.0 - 22.0 * row as f64];
+        chart.canvas.label(Label::new(place, &word, text::LABEL, anchor, style::ASYMMETRIC).over(style::WHITE));
     }
     chart.marks(&marks, 6.5);
     canvas

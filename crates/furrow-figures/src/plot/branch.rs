@@ -12,10 +12,14 @@ use crate::drawing::{Anchor, Canvas, Label, Stroke};
 use furrow_cell::{Cell, Parameter};
 use furrow_mechanics::cortex::{Cortex, Domain, Wall};
 use furrow_mechanics::equilibria::{Branch, Criticality, PointKind, ShapePoint};
+use furrow_surface::bent::{BentBranch, BentPoint};
 use ordered_float::OrderedFloat;
 
 /// A branch with contours under its name: `symmetric`, `asymmetric` or `cued`.
 type Named = (&'static str, Branch);
+
+/// Name of the branch of bent states.
+const BENT: &str = "bent";
 
 /// Most shapes beside the diagram.
 const MOST_SHAPES: usize = 6;
@@ -28,9 +32,17 @@ const CHART: f64 = 330.0;
 /// The letter of a drawn shape, its place, and its contour.
 type Shape<'a> = (char, ShapePoint, &'a [[f64; 2]]);
 
-/// Draws the branches of one cell.
-pub fn draw(cell: &Cell, branches: &[Named]) -> Canvas {
-    let breaks = branches.iter().flat_map(|(_, branch)| &branch.points).any(|point| point.delta_u.abs() > 1e-6);
+/// Draws the branches of one cell; `bent` has the events of the bent one.
+pub fn draw(cell: &Cell, branches: &[Named], bent: Option<&BentBranch>) -> Canvas {
+    let at = |point: &Option<BentPoint>| point.as_ref().map(BentPoint::shape);
+    let [pitchfork, fold] = bent.map_or([None; 2], |bent| [at(&bent.pitchfork), at(&bent.fold)]);
+    let mut branches = branches.to_vec();
+    // The stability of the branch changes there.
+    let located = [pitchfork, fold].into_iter().flatten().map(|point| ShapePoint { growth_rate: None, ..point });
+    branches.iter_mut().filter(|(name, _)| *name == BENT).for_each(|(_, bent)| bent.points.extend(located.clone()));
+    let branches = branches.as_slice();
+    let points = || branches.iter().flat_map(|(_, branch)| &branch.points);
+    let breaks = points().any(|point| point.delta_u.is_some_and(|shift| shift.abs() > 1e-6));
     let mut title = format!(
         "Stationary shapes at {}\nshapes from the {ANTERIOR} pole on the left to the {POSTERIOR} pole on the right",
         style::described(cell, &[Parameter::XiS])
@@ -43,18 +55,24 @@ pub fn draw(cell: &Cell, branches: &[Named]) -> Canvas {
         title += "; lines that coincide are drawn side by side";
     }
     let below = SHAPES + 12.0 + CHART * if breaks { 2.0 } else { 1.0 };
-    let (mut canvas, top) = titled(WIDTH, below, &title, &legend(branches));
+    let (mut canvas, top) =
+        titled(WIDTH, below, &title, &legend(branches, [pitchfork, fold].map(|point| point.is_some())));
     let shapes = chosen(branches);
     row_of_shapes(&mut canvas, cell, &shapes, top);
     let top = top + SHAPES + 12.0;
-    chart(&mut canvas, branches, &shapes, top, "elongation H", |point| point.elongation);
+    let bent = [(pitchfork, Marker::Disc, style::INK), (fold, Marker::Diamond, colour(BENT))];
+    let bent: Vec<_> = bent.into_iter().filter_map(|(point, marker, colour)| Some((point?, marker, colour))).collect();
+    chart(&mut canvas, (branches, &bent), &shapes, top, "elongation H", |point| point.elongation);
     if breaks {
-        chart(&mut canvas, branches, &shapes, top + CHART, "furrow position δu", |point| point.delta_u);
+        // Shapes without a furrow interrupt the lines.
+        let shift = |point: &ShapePoint| point.delta_u.unwrap_or(f64::NAN);
+        chart(&mut canvas, (branches, &bent), &shapes, top + CHART, "furrow position δu", shift);
     }
     canvas
 }
 
-fn legend(branches: &[Named]) -> Legend {
+/// The legend; `bent` says whether the bent branch has a pitchfork and a fold.
+fn legend(branches: &[Named], bent: [bool; 2]) -> Legend {
     let has = |kind| branches.iter().flat_map(|(_, branch)| &branch.events).any(|event| event.kind() == kind);
     let lines = || branches.iter().flat_map(|(_, branch)| pieces(branch, |point| point.elongation));
     let is = |stable| lines().any(|(kind, _)| kind == stable);
@@ -67,8 +85,8 @@ fn legend(branches: &[Named]) -> Legend {
         .with_all(branches.iter().map(|(name, _)| (Key::Line(colour(name)), format!("{name} shapes"))))
         .with_if(is(true), Key::Line(style::INK), "stable")
         .with_if(is(false), Key::Dashes(style::INK, style::DASHED), "unstable")
-        .with_if(has(PointKind::Pitchfork), Key::Point(style::INK, Marker::Disc), "pitchfork")
-        .with_if(has(PointKind::Fold), Key::Point(style::INK, Marker::Diamond), "fold")
+        .with_if(bent[0] || has(PointKind::Pitchfork), Key::Point(style::INK, Marker::Disc), "pitchfork")
+        .with_if(bent[1] || has(PointKind::Fold), Key::Point(style::INK, Marker::Diamond), "fold")
         .with_if(
             branches.iter().any(|(_, branch)| !branch.hopf.is_empty()),
             Key::Point(style::INK, Marker::Ring),
@@ -140,7 +158,7 @@ fn row_of_shapes(canvas: &mut Canvas, cell: &Cell, shapes: &[Shape<'_>], top: f6
 /// One chart. Points of `value` outside the range over all branches do not occur.
 fn chart(
     canvas: &mut Canvas,
-    branches: &[Named],
+    (branches, bent): (&[Named], &[(ShapePoint, Marker, Colour)]),
     shapes: &[Shape<'_>],
     top: f64,
     label: &str,
@@ -167,7 +185,8 @@ fn chart(
     let folds = folds.map(|(name, event)| (*event.point(), Marker::Diamond, colour(name)));
     let pitchforks = || events().filter_map(|(_, event)| Some((*event.point(), event.pitchfork()?.criticality())));
     let discs = pitchforks().map(|(point, _)| (point, Marker::Disc, style::INK));
-    let marks = crossings.chain(hopfs).chain(folds).chain(discs);
+    let marks = crossings.chain(hopfs).chain(folds).chain(discs).chain(bent.iter().copied());
+    let marks = marks.filter(|(point, ..)| value(point).is_finite());
     let marks: Vec<Mark> = marks.map(|(point, marker, colour)| ([point.xi_s, value(&point)], marker, colour)).collect();
     chart.marks(&marks, 6.5);
     let mut words: Vec<([f64; 2], Anchor, &str)> = Vec::new();
@@ -194,17 +213,18 @@ fn chart(
 /// Distance between lines that would otherwise lie on each other.
 const BESIDE: f64 = 2.0 * style::CURVE;
 
+/// A line on the canvas, and by how many steps of [`BESIDE`] it is drawn above its place.
+type Drawn = (usize, Vec<[f64; 2]>);
+
 /// The lines of the branches. Those that lie on earlier ones are drawn above them, so that both can be seen.
 fn lines(chart: &mut Chart<'_>, branches: &[Named], value: fn(&ShapePoint) -> f64) {
-    let mut drawn: Vec<(usize, Vec<[f64; 2]>)> = Vec::new();
+    let mut drawn: Vec<Drawn> = Vec::new();
     for (name, branch) in branches {
         for (stable, piece) in pieces(branch, value) {
             let dash = (!stable).then_some(style::DASHED);
             let piece: Vec<[f64; 2]> = piece.into_iter().map(|point| chart.at(point)).collect();
             for run in runs(&piece) {
-                let taken: Vec<usize> =
-                    drawn.iter().filter(|(_, other)| lies_on(run, other)).map(|(level, _)| *level).collect();
-                let level = (0..=taken.len()).find(|level| !taken.contains(level)).unwrap_or(0);
+                let level = level(run, &drawn);
                 let up = BESIDE * level as f64;
                 let shifted: Vec<[f64; 2]> = run.iter().map(|[x, y]| [*x, y - up]).collect();
                 let stroke = Stroke { colour: colour(name), width: style::CURVE, dash };
@@ -229,15 +249,21 @@ fn runs(line: &[[f64; 2]]) -> Vec<&[[f64; 2]]> {
     found
 }
 
-/// Whether most of a line is less than its width from another one.
-fn lies_on(line: &[[f64; 2]], other: &[[f64; 2]]) -> bool {
+/// The level of a line among earlier ones: 0 unless each of its points is less than its width from one of them. Lines that cross it do
+/// not count.
+fn level(line: &[[f64; 2]], drawn: &[Drawn]) -> usize {
     let covers = |[x, y]: &[f64; 2], pair: &[[f64; 2]]| {
         let [a, b] = [pair[0], pair[1]];
         let share = (x - a[0]) / (b[0] - a[0]);
         (0.0..=1.0).contains(&share) && (a[1] + share * (b[1] - a[1]) - y).abs() < style::CURVE
     };
-    let covered = line.iter().filter(|point| other.windows(2).any(|pair| covers(point, pair))).count();
-    2 * covered > line.len()
+    let lies_on = |point: &[f64; 2], other: &[[f64; 2]]| other.windows(2).any(|pair| covers(point, pair));
+    if !line.iter().all(|point| drawn.iter().any(|(_, other)| lies_on(point, other))) {
+        return 0;
+    }
+    let beside = |other: &[[f64; 2]]| 10 * line.iter().filter(|point| lies_on(point, other)).count() >= line.len();
+    let taken: Vec<usize> = drawn.iter().filter(|(_, other)| beside(other)).map(|(level, _)| *level).collect();
+    (0..=taken.len()).find(|level| !taken.contains(level)).unwrap_or(0)
 }
 
 /// The middle of a text on the canvas, and half its width and height.
@@ -279,8 +305,10 @@ type Knot = [f64; 3];
 /// The smooth curve through knots: cubics with the slope, at each knot, of the parabola through it and its neighbours.
 fn smooth(knots: &[Knot]) -> Vec<[f64; 2]> {
     let slope = |k: usize, c: usize| {
-        let (a, b) = (knots[k.saturating_sub(1)], knots[(k + 1).min(knots.len() - 1)]);
         let here = knots[k];
+        // A knot without a value has no influence on its neighbours.
+        let beside = |other: usize| if knots[other][2].is_finite() { knots[other] } else { here };
+        let (a, b) = (beside(k.saturating_sub(1)), beside((k + 1).min(knots.len() - 1)));
         let (h, h2) = (here[0] - a[0], b[0] - here[0]);
         let (left, right) = ((here[c] - a[c]) / h, (b[c] - here[c]) / h2);
         match (h > 0.0, h2 > 0.0) {
@@ -294,7 +322,7 @@ fn smooth(knots: &[Knot]) -> Vec<[f64; 2]> {
     for k in 1..knots.len() {
         let (a, b) = (knots[k - 1], knots[k]);
         let h = b[0] - a[0];
-        for j in 1..=BETWEEN {
+        for j in 1..BETWEEN {
             let s = j as f64 / BETWEEN as f64;
             let ease = s * s * (3.0 - 2.0 * s);
             let along = |c: usize| {
@@ -303,6 +331,7 @@ fn smooth(knots: &[Knot]) -> Vec<[f64; 2]> {
             };
             points.push([along(1), along(2)]);
         }
+        points.push([b[1], b[2]]);
     }
     points
 }
@@ -322,7 +351,8 @@ fn arclength_of(knots: &[Place], [xi_s, value]: [f64; 2]) -> Option<f64> {
     nearest.map(|(_, arclength)| arclength)
 }
 
-/// The branch in pieces of constant stability: stability changes at folds, pitchforks and Hopf points, where the pieces meet.
+/// The branch in pieces of constant stability: stability changes at folds, pitchforks and Hopf points, and where disturbances
+/// around the axis start or stop growing, where the pieces meet. Points without a value interrupt it.
 fn pieces(branch: &Branch, value: fn(&ShapePoint) -> f64) -> Vec<(bool, Vec<[f64; 2]>)> {
     let knot = |s: f64, point: &ShapePoint| [s, point.xi_s, value(point)];
     let points = branch.points.iter().enumerate().map(|(k, point)| match k {
@@ -339,22 +369,32 @@ fn pieces(branch: &Branch, value: fn(&ShapePoint) -> f64) -> Vec<(bool, Vec<[f64
         let arclength = arclength_of(&all, [hopf.point.xi_s, value(&hopf.point)])?;
         Some((knot(arclength, &hopf.point), None, Some(!hopf.grows)))
     });
-    let hopf: Vec<Place> = hopf.collect();
-    all.extend(hopf);
+    let crossings = branch.azimuthal.crossings.iter().filter_map(|crossing| {
+        let arclength = arclength_of(&all, [crossing.point.xi_s, value(&crossing.point)])?;
+        Some((knot(arclength, &crossing.point), None, None))
+    });
+    let more: Vec<Place> = hopf.chain(crossings).collect();
+    all.extend(more);
     in_order(&mut all);
     all.dedup_by(|(a, ..), (b, ..)| (a[0] - b[0]).abs() < 1e-9);
     let curve = smooth(&all.iter().map(|(knot, ..)| *knot).collect::<Vec<_>>());
     let mut found: Vec<(bool, Vec<[f64; 2]>)> = Vec::new();
+    let mut interrupted = false;
     for (k, pair) in all.windows(2).enumerate() {
-        let [(_, before, behind), (_, here, _)] = pair else { continue };
+        let [(start, before, behind), (end, here, _)] = pair else { continue };
+        if !(start[2].is_finite() && end[2].is_finite()) {
+            interrupted = true;
+            continue;
+        }
         let known = behind.or(*here).or(*before);
         let from = BETWEEN * k;
         match found.last_mut() {
-            Some((same, piece)) if known.is_none_or(|stable| stable == *same) => {
+            Some((same, piece)) if !interrupted && known.is_none_or(|stable| stable == *same) => {
                 piece.extend(&curve[from + 1..=from + BETWEEN]);
             }
             _ => found.push((known.unwrap_or(true), curve[from..=from + BETWEEN].to_vec())),
         }
+        interrupted = false;
     }
     found
 }
@@ -363,14 +403,38 @@ fn pieces(branch: &Branch, value: fn(&ShapePoint) -> f64) -> Vec<(bool, Vec<[f64
 mod tests {
     use super::*;
 
+    #[test]
+    fn shapes_without_a_furrow_interrupt_a_line() {
+        let point =
+            |k: usize, delta_u| ShapePoint { xi_s: k as f64, arclength: k as f64, delta_u, ..ShapePoint::default() };
+        let shifts = [None, Some(0.1), Some(0.2), None, Some(0.4), Some(0.5)];
+        let points = shifts.into_iter().enumerate().map(|(k, shift)| point(k, shift)).collect();
+        let branch = Branch {
+            points,
+            contours: Vec::new(),
+            azimuthal: Default::default(),
+            events: Vec::new(),
+            hopf: Vec::new(),
+            ended: furrow_mechanics::equilibria::BranchEnd::Enough,
+            work: Default::default(),
+        };
+        let found = pieces(&branch, |point| point.delta_u.unwrap_or(f64::NAN));
+        let ends: Vec<[f64; 2]> = found.iter().map(|(_, piece)| [piece[0][0], piece[piece.len() - 1][0]]).collect();
+        assert_eq!(ends, [[1.0, 2.0], [4.0, 5.0]]);
+        assert!(found.iter().flat_map(|(_, piece)| piece).all(|[_, y]| y.is_finite()));
+    }
+
     /// A branch that goes up to a fold and back at the same height lies on itself; one that crosses it does not.
     #[test]
     fn lines_that_coincide_are_told_from_lines_that_cross() {
         let there_and_back = [[0.0, 5.0], [10.0, 5.0], [20.0, 5.0], [12.0, 5.5], [1.0, 5.0]];
         let found = runs(&there_and_back);
         assert_eq!(found, [&there_and_back[..3], &there_and_back[2..]]);
-        assert!(lies_on(found[1], found[0]));
-        assert!(!lies_on(&[[0.0, 0.0], [5.0, 3.0], [10.0, 5.0], [15.0, 8.0], [20.0, 10.0]], found[0]));
+        let drawn = [(0, found[0].to_vec())];
+        assert_eq!(level(found[1], &drawn), 1);
+        assert_eq!(level(&[[0.0, 0.0], [5.0, 3.0], [10.0, 5.0], [15.0, 8.0], [20.0, 10.0]], &drawn), 0);
+        // A line that leaves another one keeps its place.
+        assert_eq!(level(&[[0.0, 5.0], [5.0, 5.0], [10.0, 5.0], [15.0, 8.0]], &drawn), 0);
         assert!(runs(&there_and_back[..1]).is_empty());
     }
 }

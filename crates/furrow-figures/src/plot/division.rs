@@ -69,6 +69,9 @@ fn half_way(film: &Trajectory) -> Snapshot {
     film.step((0..times.len()).find(narrow).unwrap_or(times.len().saturating_sub(1)))
 }
 
+/// The note in the chart over time of a cell that never has a neck.
+pub(super) const NO_NECK: &str = "no neck forms";
+
 /// How a division ended, in words.
 pub(super) fn ending(division: &Division) -> String {
     match (division.outcome(), division.chi()) {
@@ -185,6 +188,9 @@ fn over_time(canvas: &mut Canvas, cell: &Cell, film: &Trajectory, top: f64) {
     let y = Axis::new("neck radius / R₀,  χ", [0.0, 1.08 * most]);
     let x = Axis::new(style::TIME, [0.0, times.last().copied().unwrap_or(1.0)]);
     let mut chart = Chart::new(canvas, [0.0, top + 40.0], [CHART[1], CHART[0] - 40.0], x, y);
+    if neck.is_empty() {
+        chart.note(NO_NECK);
+    }
     for (curve, colour) in [(neck, style::SYMMETRIC), (chi, style::ASYMMETRIC)] {
         chart.line(curve, Stroke::solid(colour, style::CURVE));
     }

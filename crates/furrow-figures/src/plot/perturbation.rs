@@ -27,8 +27,10 @@ pub fn draw(title: &str, watched: &[(String, Perturbation)]) -> Canvas {
         .with_if(returned(true), key(style::INK, true), "returns")
         .with_if(returned(false), key(style::INK, false), "leaves")
         .with_if(divided, Key::Point(style::INK, Marker::Disc), "pinches off");
-    let (mut canvas, top) = titled(WIDTH, CHART, title, &legend);
     let points = || watched.iter().flat_map(|(_, perturbation)| perturbation.distances.iter().skip(1));
+    let cut = points().any(|[_, distance]| *distance < SMALLEST);
+    let note = if cut { "\ncurves end at 1e-9 Lₕ, below which distances are rounding errors" } else { "" };
+    let (mut canvas, top) = titled(WIDTH, CHART, &format!("{title}{note}"), &legend);
     let last = points().map(|[t, _]| *t).fold(0.0, f64::max);
     let (least, most) = points().fold((1.0, 1e-3), |(low, high): (f64, f64), [_, d]| (low.min(*d), high.max(*d)));
     let up = [10f64.powf(least.max(SMALLEST).log10().floor()), 10f64.powf(most.log10().ceil())];

@@ -12,7 +12,7 @@ pub fn draw(panel: &NamedArtifact) -> Canvas {
     match &panel.artifact {
         Artifact::Sweep(of, rows) => sweep::draw(of, rows),
         Artifact::Map(map) => phase::draw(&map.plane, &map.diagram, &map.edges),
-        Artifact::Branches(cell, branches) => branch::draw(cell, branches),
+        Artifact::Branches(cell, branches) => branch::draw(cell, branches, None),
         Artifact::Film(cell, film) => division::draw(cell, &film.as_ref().clone().with_places(DENSE)),
         Artifact::Perturbations(cell, watched) => {
             let title = format!("Disturbed stationary shapes at R₀ = {}, ε = {}", cell.r0, cell.epsilon);

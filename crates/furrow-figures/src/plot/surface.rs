@@ -9,7 +9,7 @@ use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_cell::Cell;
 use furrow_surface::film::{Film, Observables, Step};
 
-use super::division::{ending, evenly_passed};
+use super::division::{NO_NECK, ending, evenly_passed};
 
 const WIDTH: f64 = 1160.0;
 /// Height of the row of sections.
@@ -25,7 +25,8 @@ pub fn draw(cell: &Cell, film: &Film) -> Canvas {
     let (mut canvas, top) = titled(WIDTH, CELLS + 46.0 + CHART, &title, &Legend::default());
     let overlaps = sections(&mut canvas, film, top);
     let soft = if overlaps { "; where walls meet, the soft force between them lets them overlap" } else { "" };
-    let what = &format!("sections by the plane in which the neck moves{soft}");
+    let moves = if film.steps.iter().any(|step| step.shape.neck.is_some()) { "neck moves" } else { "cell bends" };
+    let what = &format!("sections by the plane in which the {moves}{soft}");
     canvas.text([0.5 * WIDTH, top + CELLS + 18.0], what, text::TICK, Anchor::Middle, style::MUTED);
     over_time(&mut canvas, cell, film, top + CELLS + 46.0);
     canvas
@@ -101,6 +102,9 @@ fn over_time(canvas: &mut Canvas, cell: &Cell, film: &Film, top: f64) {
     let y = Axis::new("neck radius and distance / R₀,  χ", [0.0, widened([0.0, most], 0.08)[1]]);
     let x = Axis::new(style::TIME, [0.0, film.end()]);
     let mut chart = Chart::new(canvas, [0.0, top + 40.0], [WIDTH, CHART - 40.0], x, y);
+    if curves.iter().all(|(curve, ..)| curve.is_empty()) {
+        chart.note(NO_NECK);
+    }
     for (curve, colour, _) in curves {
         chart.line(curve, Stroke::solid(colour, style::CURVE));
     }

@@ -333,6 +333,12 @@ pub enum DivisionError {
     /// The equations with axial symmetry were asked for a cell without it, or the other way round for what only they have.
     #[error("{what}: {instead}")]
     Unsupported { what: &'static str, instead: &'static str },
+    /// The passive shape of a cell without axial symmetry, or of one between plates, was not found.
+    #[error(
+        "the passive surface of the cell with R0 = {} is not found without axial symmetry ({reason}); raise p0 if the shell hardly holds the cell in its place, otherwise try more elements",
+        radius(*r0)
+    )]
+    NoPassiveSurface { r0: f64, reason: String },
     /// The equations of a cell without axial symmetry could not be solved.
     #[error(
         "the surface of the cell with R0 = {} stalled at t = {} with step {dt:.1e} ({reason}), its neck at {neck:.3} R0; try more elements or modes",

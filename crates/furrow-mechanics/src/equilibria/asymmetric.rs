@@ -141,9 +141,10 @@ impl Run {
 
     /// Adds a point; returns whether to continue.
     fn take_in(&mut self, point: ShapePoint, threshold: f64) -> bool {
-        self.opening &= point.delta_u.abs() < SCALING_RANGE[1];
-        if self.opening && self.events.is_empty() && point.delta_u.abs() >= SCALING_RANGE[0] {
-            self.samples.push([point.delta_u.abs(), point.xi_s - threshold]);
+        let shift = point.delta_u.unwrap_or_default().abs();
+        self.opening &= shift < SCALING_RANGE[1];
+        if self.opening && self.events.is_empty() && shift >= SCALING_RANGE[0] {
+            self.samples.push([shift, point.xi_s - threshold]);
         }
         self.points.push(point);
         self.stop.is_none()

@@ -468,9 +468,17 @@ pub fn boundary_and_folds(
     let [at_from, at_to] = range.map(|value| at_value(cell, parameter, value));
     let first = pitchfork::branch_beyond(&at_from, numerics)?;
     let follow = |at: &Pitchfork| follow_pitchfork(&at_from, at, parameter, to, activity);
+    let mut missing = None;
     let pitchfork = match first.pitchforks().next().map(follow) {
         Some(Ok(curve)) => Some(curve),
-        _ => boundary_curves(cell, numerics, parameter, range, activity)?.pitchfork,
+        _ => match boundary_curves(cell, numerics, parameter, range, activity) {
+            // The folds remain an answer.
+            Err(error @ ShapeError::NoEnd { .. }) => {
+                missing = Some(error);
+                None
+            }
+            found => found?.pitchfork,
+        },
     };
     // Only its folds are used.
     let options = BranchOptions { pitchforks: 0, ..BranchOptions::default() };
@@ -478,13 +486,18 @@ pub fn boundary_and_folds(
     let mut folds = fold_curves(cell, [&first, &branch(&at_to)?], parameter, range)?;
     let all = |cell: &Cell| branch(cell).map_or(Vec::new(), |branch| branch.folds().cloned().collect());
     add_inner(&mut folds, cell, parameter, range, all);
-    Ok(BoundaryCurves { pitchfork, folds })
+    match missing {
+        Some(error) if folds.is_empty() => Err(error),
+        _ => Ok(BoundaryCurves { pitchfork, folds }),
+    }
 }
 
 /// The error if no curve can be followed from either end of a range; `error` belongs to the first end.
 fn no_end(error: ShapeError, parameter: Parameter, to: f64) -> ShapeError {
     match error {
-        ShapeError::NotFound { .. } => ShapeError::NoEnd { source: Box::new(error), parameter, to },
+        ShapeError::NotFound { .. } | ShapeError::TurnsBack { .. } => {
+            ShapeError::NoEnd { source: Box::new(error), parameter, to }
+        }
         error => error,
     }
 }

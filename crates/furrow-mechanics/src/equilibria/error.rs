@@ -110,6 +110,9 @@ pub enum ShapeError {
     /// The range contains no such point.
     #[error("{cell}: no {kind}{} for xi_s up to {}", which(*kind), digits(*xi_max))]
     NotFound { cell: CellName, kind: PointKind, xi_max: f64 },
+    /// The branch of the passive shape has a fold but no pitchfork, and returns to a cell without activity.
+    #[error("{cell}: no pitchfork: the branch of the passive shape turns back at the fold at xi_s = {}", digits(*xi_s))]
+    TurnsBack { cell: CellName, xi_s: f64 },
     /// The cell's own law of active stress is refused, or cannot hold.
     #[error("{cell}: {source}")]
     Law { cell: CellName, source: LawError },
@@ -117,7 +120,7 @@ pub enum ShapeError {
     #[error("{cell}: {cue} breaks the mirror symmetry, and with it the pitchfork; its shapes are bounded by a fold")]
     NoPitchfork { cell: CellName, cue: String },
     /// Neither end of a range has the point from which a curve could be followed.
-    #[error("{source}; the curve begins at an end of the range, and {parameter} = {} has no such point or leads to none: narrow the range", digits(*to))]
+    #[error("{source}; the curve begins at an end of the range, and {parameter} = {} has no such point or leads to none: try another range", digits(*to))]
     NoEnd { source: Box<ShapeError>, parameter: Parameter, to: f64 },
     /// A curve of singular points does not reach the requested value.
     #[error("the curve of {kind}s does not reach {parameter} = {}: {source}", digits(*value))]

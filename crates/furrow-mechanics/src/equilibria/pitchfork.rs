@@ -1,6 +1,6 @@
 //! The first pitchfork of a mirror-symmetric cell: the threshold ξ_s* at which its symmetry breaks.
 
-use super::branch::{Branch, BranchEvent, BranchOptions, Pitchfork};
+use super::branch::{Branch, BranchEnd, BranchEvent, BranchOptions, Pitchfork};
 use super::budget::StepBudget;
 use super::error::{CellName, PointKind, Result, ShapeError};
 use super::primary;
@@ -18,7 +18,7 @@ use furrow_cell::{Cell, Numerics};
 /// ```
 ///
 /// # Errors
-/// [`ShapeError`]; `NotFound` if there is no pitchfork up to the end of the range, `NoPitchfork` if the cell's cue breaks
+/// [`ShapeError`]; `NotFound` if there is no pitchfork up to the end of the range, `TurnsBack` if the branch ends without activity, `NoPitchfork` if the cell's cue breaks
 /// the symmetry.
 pub fn first(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Result<Pitchfork> {
     first_within(cell, numerics, options, &StepBudget::unlimited())
@@ -78,7 +78,11 @@ pub fn first_within(
     let beyond_fold = fold.map(|fold| fold.point().xi_s);
     let found = events.iter().find_map(BranchEvent::pitchfork);
     found.map(|found| Pitchfork { beyond_fold, ..found.clone() }).ok_or_else(|| {
-        let none = ShapeError::NotFound { cell: name, kind: PointKind::Pitchfork, xi_max: options.xi[1] };
+        let [least, xi_max] = options.xi;
+        let none = match beyond_fold {
+            Some(xi_s) if ended == BranchEnd::Bound(least) => ShapeError::TurnsBack { cell: name, xi_s },
+            _ => ShapeError::NotFound { cell: name, kind: PointKind::Pitchfork, xi_max },
+        };
         ended.error().cloned().unwrap_or(none)
     })
 }

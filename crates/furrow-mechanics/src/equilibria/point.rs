@@ -22,8 +22,8 @@ pub struct ShapePoint {
     pub pressure: f64,
     /// Radius at the equator u = ½, in L_h.
     pub equator_radius: f64,
-    /// Furrow position u_f − ½ of asymmetric shapes; 0 on the symmetric branch.
-    pub delta_u: f64,
+    /// Furrow position u_f − ½; 0 for mirror-symmetric shapes, `None` for other shapes without a furrow.
+    pub delta_u: Option<f64>,
     /// Reduced volume: the cell's volume divided by the volume of a sphere with the same area.
     pub reduced_volume: f64,
     /// Energy of bending ∫ ½κ(C − C0)² dA, in κ0; 8πκ for a sphere without C0.
@@ -47,7 +47,7 @@ impl ShapePoint {
             length: y.scalars[LENGTH],
             pressure: y.scalars[PRESSURE],
             equator_radius: if half { y.node(y.intervals())[R] } else { observables::equator_radius(gauss, y) },
-            delta_u: if half { 0.0 } else { observables::furrow_position(gauss, cortex, y).map_or(0.0, |u| u - 0.5) },
+            delta_u: if half { Some(0.0) } else { observables::furrow_position(gauss, cortex, y).map(|u| u - 0.5) },
             reduced_volume: observables::reduced_volume(cortex.cell.r0, area),
             bending_energy,
             ..ShapePoint::default()

@@ -1,6 +1,9 @@
 // The film of a division as a lit surface that can be turned.
 
 /** Numbers beside the film: field of a frame, name, unit. */
+/** Room for the name of a pole beside the cell, and the distance of its middle from the pole, in pixels. */
+const NAMES = 78;
+const ASIDE = 46;
 const NUMBERS = [["t", "t", "τ"], ["neck_radius", "neck radius", "Lₕ"], ["neck_offset", "neck offset", "Lₕ"], ["chi", "χ", ""], ["length", "contour length", "Lₕ"], ["pressure", "pressure", "κ₀/Lₕ³"]];
 
 const VERTEX = `
@@ -211,8 +214,9 @@ class Turned extends Playing {
     const size = [canvas.clientWidth, canvas.clientHeight];
     size.forEach((length, c) => (canvas[["width", "height"][c]] = Math.round(length * ratio)));
     const along = Math.max(...data.shell.slice(0, 2), ...data.poles.map((z) => Math.abs(z) * data.shell[2]));
-    // There is room for the longest axis in every direction.
-    const pixels = (this.zoom * 0.47 * Math.min(...size)) / along;
+    // There is room for the longest axis in every direction, and beside it for the names of the poles.
+    const half = Math.min(0.47 * size[1], Math.max(0.5 * size[0] - NAMES, 0.25 * size[0]));
+    const pixels = (this.zoom * half) / along;
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.uniformMatrix3fv(this.uniform("turn"), false, [0, 1, 2].flatMap((c) => turn.map((row) => row[c])));
@@ -235,8 +239,8 @@ class Turned extends Playing {
 
   /** Words and numbers of the frame that is shown. */
   tell(pixels, [width, height]) {
-    for (const [name, z] of [["posterior", 1.17 * this.data.poles[0]], ["anterior", 1.17 * this.data.poles[1]]]) {
-      const [x, y] = this.turn.map((row) => pixels * row[2] * z * this.data.shell[2]);
+    for (const [name, z] of [["posterior", this.data.poles[0]], ["anterior", this.data.poles[1]]]) {
+      const [x, y] = this.turn.map((row) => row[2] * (1.05 * pixels * z * this.data.shell[2] + Math.sign(z) * ASIDE));
       const within = (place, length) => Math.min(length - 36, Math.max(36, place));
       Object.assign(element(name).style, { left: `${within(width / 2 + x, width)}px`, top: `${within(height / 2 - y, height)}px` });
     }

@@ -3,10 +3,11 @@
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
 use furrow_mechanics::critical::BoundaryKind;
 use furrow_mechanics::division::{DivisionInput, Outcome};
-use furrow_mechanics::equilibria::StepBudget;
+use furrow_mechanics::equilibria::{StepBudget, stationary};
 use furrow_surface::bent::{BentEvent, branch};
 use furrow_surface::bent_curves::{critical_radius, curves, threshold, threshold_curve};
 use furrow_surface::division::divide;
+use furrow_surface::steady::steady;
 
 use crate::states::within;
 
@@ -33,6 +34,24 @@ fn the_critical_radius_tells_cells_at_rest_from_cells_that_divide() {
     // It stays near the unstable bent state until the odd disturbance has grown, in long steps.
     let above = outcome(1.04);
     assert!(above.chi().unwrap() > 0.5 && above.t_end > 15.0 && above.work.steps < 700, "{above:?}");
+}
+
+/// Just above its threshold the bent shape differs from the axisymmetric one only by the bend of its middle ring.
+#[test]
+fn a_bent_state_without_a_waist_has_an_offset() {
+    let cell = Cell { xi_s: 11.55, ..Cell::new(2.0) };
+    let found = steady(&DivisionInput { numerics: coarse(), ..DivisionInput::new(cell.clone()) }).unwrap();
+    let rest = found.rest.unwrap();
+    assert!(!rest.has_waist());
+    let expected = branch(&cell, &coarse(), 30.0).unwrap().threshold;
+    // The offset weights the ring by its length, the bend by φ.
+    let bend = ((cell.xi_s - expected.xi_s) / expected.coefficient).sqrt();
+    within("bend", (rest.offset() / cell.r0 / bend - 1.0).abs(), 0.3);
+    let straight = stationary(&cell, &Numerics::default()).unwrap();
+    let [volume, bending] = straight.reduced_volume_and_bending();
+    let [found_volume, found_bending] = rest.reduced_volume_and_bending();
+    within("reduced volume", (found_volume - volume).abs(), 1e-4);
+    within("energy of bending", (found_bending / bending - 1.0).abs(), 1e-4);
 }
 
 #[test]

@@ -59,6 +59,24 @@ fn a_large_cells_division_is_that_of_the_axisymmetric_equations() {
     check(Cell::new(5.4), 1.0, [0.002, 0.05]);
 }
 
+/// The viscosities and the friction are the only constants with a unit of time.
+#[test]
+fn a_division_does_not_depend_on_the_unit_of_time() {
+    let [one, other] = [1.0, 30.0].map(|scale| {
+        let mut cell = Cell::new(2.16).with_cue(Cue::published());
+        cell.material.eta_b *= scale;
+        cell.material.eta_s *= scale;
+        cell.material.friction *= scale;
+        let usual = Numerics { modes: 2, elements: 28, ..Numerics::default() };
+        let numerics = Numerics { first_step: scale * usual.first_step, ..usual };
+        let found = division::divide(&DivisionInput { numerics, ..DivisionInput::new(cell) }, &mut |_, _| {});
+        let division = found.unwrap().division;
+        [division.chi_signed().unwrap(), division.t_end / scale]
+    });
+    within("χ", (one[0] - other[0]).abs(), 1e-5);
+    within("t_end", (one[1] - other[1]).abs(), 1e-5);
+}
+
 #[test]
 #[ignore = "takes three seconds"]
 fn shorter_steps_bring_times_closer() {
