@@ -5,7 +5,9 @@ use serde_json::json;
 
 use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
-use crate::cli::embryos::{MatchArgs, OfEmbryo, files_of, frame_minutes, matched_text, of_embryo, times_text};
+use crate::cli::embryos::{
+    MatchArgs, OfEmbryo, files_of, frame_minutes, matched_text, of_embryo, times_text, warn_of_sizes, warn_of_times,
+};
 use crate::cli::error::CliError;
 use crate::cli::output::{merged, or_dash, print_as, writable_file};
 use crate::cli::picture::PlotArgs;
@@ -82,6 +84,8 @@ pub fn run(args: &ClockArgs, context: &Context) -> Result<(), CliError> {
         )?,
     };
     names.require_met()?;
+    warn_of_times(&lifetimes.embryos);
+    warn_of_sizes(&volumes.sizes());
     let files = listed_or(&args.volumes, "the published volumes");
     let found = fit_clock(&lineage, &lifetimes, &volumes, &files)?;
     let ron = found.as_ron(args.lineage.is_none().then_some("c_elegans"));
