@@ -24,7 +24,7 @@ use crate::several::Source;
 use crate::significance::{Sample, Trend, paired, power, sign_test, welch};
 use crate::statistics::{grouped, mean, sd, smaller};
 use crate::tracked::{EmbryoFile, TrackOptions, TrackedLineage, read_tracked};
-use crate::volumes::{EmbryoSize, MOST_PLACES, Skipped, Unit, Value, Volumes, note, require_used};
+use crate::volumes::{EmbryoSize, MOST_PLACES, Skipped, Value, Volumes, note, require_used};
 
 /// How long a cell lives in some embryos.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -378,16 +378,27 @@ fn averaged(rows: &[Lifetime]) -> Option<Lifetime> {
     Some(Lifetime { n: rows.len() as u64, mean: mean(&lives), sd: sd(&lives), birth, ..first.clone() })
 }
 
-/// Mean volume of every cell over the embryos that have it, each volume divided by the size factor of its embryo: a large embryo may
-/// have been followed in small cells alone. Relative volumes are free of the embryo's size already.
+/// Mean volume of every cell over the embryos that have it, with [`Volumes::common_size`] of volumes divided by the size factor of their
+/// embryo.
 pub fn mean_volumes(volumes: &Volumes) -> BTreeMap<String, f64> {
-    let is_relative = volumes.unit == Some(Unit::Relative);
-    let factor = |size: EmbryoSize| size.size_factor.filter(|_| !is_relative).unwrap_or(1.0);
+    means_at(volumes, volumes.common_size)
+}
+
+fn means_at(volumes: &Volumes, common_size: bool) -> BTreeMap<String, f64> {
+    let factor = |size: EmbryoSize| size.size_factor.filter(|_| common_size).unwrap_or(1.0);
     let embryos = volumes.embryos.iter().zip(volumes.sizes().into_iter().map(factor));
     let cells = embryos.flat_map(|(embryo, factor)| embryo.cells.iter().map(move |cell| (cell, factor)));
     let cells = cells.filter(|(cell, _)| cell.frames > 0);
     let by_name = grouped(cells.map(|(cell, factor)| (cell.cell.as_str(), cell.volume() / factor)));
     by_name.into_iter().map(|(cell, volumes)| (cell.to_owned(), mean(&volumes))).collect()
+}
+
+/// How far the sizes of embryos distort the proportions of cells that some of them lack: the largest change of a ratio of two mean volumes
+/// by a common size, as a factor of 1 or more.
+pub fn distortion(volumes: &Volumes) -> f64 {
+    let changes = means_at(volumes, true).into_values().zip(means_at(volumes, false).into_values()).map(|(a, b)| a / b);
+    let [least, most] = changes.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], x| [least.min(x), most.max(x)]);
+    if most > 0.0 { most / least } else { 1.0 }
 }
 
 /// ln lifetime over ln volume of cells: all of them, and by founder.

@@ -215,6 +215,8 @@ pub struct Volumes {
     pub files: usize,
     /// Edges of voxels, as the last table was read.
     pub voxels: PerEmbryo,
+    /// Whether volumes are divided by the size factor of their embryo before they are averaged.
+    pub common_size: bool,
     /// The unit given for volumes without one, as the last table was read.
     given_unit: Option<Unit>,
     /// Whether a volume had no unit, or the given one; and whether one was in voxels or pixels.

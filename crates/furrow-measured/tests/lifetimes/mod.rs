@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use furrow_measured::lifetimes::{
-    LifetimeOptions, Lifetimes, Sisters, agreement, cells_over_time, mean_volumes, sisters, slopes,
+    LifetimeOptions, Lifetimes, Sisters, agreement, cells_over_time, distortion, mean_volumes, sisters, slopes,
 };
 use furrow_measured::published::{jankele2021_lifetimes, jankele2021_volumes};
 use furrow_measured::significance::{Sample, Trend, sign_test, welch};
@@ -87,10 +87,13 @@ fn sisters_are_paired_over_embryos() {
 
 /// A large embryo that was followed in its small cells alone does not make these larger than they are.
 #[test]
-fn volumes_are_averaged_in_the_size_of_all_embryos() {
+fn volumes_are_averaged_in_a_common_size() {
     let text = "embryo,cell,volume_um3\na,P0,1000\na,AB,600\na,ABa,300\nb,P0,8000\nb,ABa,2400\nb,ABal,1200\n";
     let mut volumes = Volumes::default();
     volumes.read(text.as_bytes(), "t.csv", &ReadOptions::default()).unwrap();
+    // AB of the small embryo alone should be √8 times as large, ABal of the large one alone smaller by this factor.
+    assert!((distortion(&volumes) - 8.0).abs() < 1e-9);
+    volumes.common_size = true;
     let found = mean_volumes(&volumes);
     for (cell, share) in [("AB", 0.6), ("ABa", 0.3), ("ABal", 0.15)] {
         assert!((found[cell] / found["P0"] - share).abs() < 1e-9, "{found:?}");
