@@ -2,7 +2,7 @@
 
 use furrow_lineage::batch::scheduler;
 use furrow_measured::significance::mean_interval;
-use furrow_measured::statistics::sd;
+use furrow_measured::statistics::{mean, sd};
 use furrow_spectra::Svd;
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -358,8 +358,10 @@ impl Fitted<'_> {
             let chi = observations.chi_of(cell);
             let own = || observations.rows.iter().zip(densities).filter(move |(row, _)| row.cell == cell);
             let given = own().find_map(|(row, _)| row.sd.filter(|_| chi.len() == 1));
-            let about = |sd: f64| [found.measured - NORMAL * sd, found.measured + NORMAL * sd];
-            let by_spread = mean_interval(&chi).filter(|_| noise.kind != NoiseKind::Given);
+            let is_given = noise.kind == NoiseKind::Given;
+            let measured = if is_given { found.measured } else { mean(&chi) };
+            let about = |sd: f64| [measured - NORMAL * sd, measured + NORMAL * sd];
+            let by_spread = mean_interval(&chi).filter(|_| !is_given);
             // The fitted error of a poor fit is large, that of replicates is not.
             let error = observations.rows.iter().zip(fitted).find(|(row, _)| row.cell == cell).map(|(_, sd)| *sd);
             let error = noise.sd.filter(|_| noise.kind == NoiseKind::Common).or(error);
@@ -367,10 +369,10 @@ impl Fitted<'_> {
             CellScore {
                 cell: found.cell,
                 n: chi.len(),
-                measured: found.measured,
+                measured,
                 sd: sd(&chi),
-                interval: by_spread.or(given.or(Some(found.sd).filter(|_| noise.kind == NoiseKind::Given)).map(about)),
-                is_near_zero: is_small(found.measured) && found.computed.is_some_and(is_small),
+                interval: by_spread.or(given.or(Some(found.sd).filter(|_| is_given)).map(about)),
+                is_near_zero: is_small(measured) && found.computed.is_some_and(is_small),
                 r0: found.r0,
                 chi: found.computed,
                 has_cue: found.has_cue,
