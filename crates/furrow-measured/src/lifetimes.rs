@@ -428,9 +428,9 @@ pub struct Sisters {
     pub daughters: [String; 2],
     /// Mean lifetimes, in minutes.
     pub lifetimes: [f64; 2],
-    /// Which divides first: 0 or 1; `None` if their means are equal.
+    /// Which divides first: 0 or 1, by the embryos that have both if there are any; `None` if their means are equal.
     pub first: Option<usize>,
-    /// Two-sided p value of the difference of their lifetimes: paired over `embryos`, or Welch's of a table of means.
+    /// Two-sided p value of the difference of their lifetimes: of ln lifetime paired over `embryos`, or Welch's of a table of means.
     pub p: Option<f64>,
     /// Embryos in which both were measured; 0 of a table of means.
     pub embryos: usize,
@@ -446,14 +446,15 @@ pub fn sisters(lifetimes: &Lifetimes) -> Vec<Sisters> {
         let sample = |cell: &Lifetime| Some(Sample { n: cell.n, mean: cell.mean, sd: cell.sd? });
         let lifetimes = [cell.mean, other.mean];
         // Sisters of one embryo share its pace.
-        let difference = |own: &HashMap<String, f64>| Some(own.get(&cell.cell)? - own.get(&other.cell)?);
+        let difference = |own: &HashMap<String, f64>| Some((own.get(&cell.cell)? / own.get(&other.cell)?).ln());
         let differences: Vec<f64> = by_embryo.iter().filter_map(difference).collect();
         let p = match by_embryo.is_empty() {
             true => sample(cell).zip(sample(other)).and_then(|(a, b)| welch(a, b)),
             false => paired(&differences).and_then(|test| test.p),
         };
+        let first = smaller(if differences.is_empty() { lifetimes } else { [mean(&differences), 0.0] });
         let (daughters, embryos) = ([cell.cell.clone(), other.cell.clone()], differences.len());
-        Some(Sisters { mother: mother.to_owned(), daughters, lifetimes, first: smaller(lifetimes), p, embryos })
+        Some(Sisters { mother: mother.to_owned(), daughters, lifetimes, first, p, embryos })
     };
     let mut pairs: Vec<Sisters> = lifetimes.cells.iter().filter_map(of).collect();
     pairs.sort_by(|a, b| place(&a.mother).cmp(&place(&b.mother)));
