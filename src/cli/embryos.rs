@@ -5,14 +5,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 use furrow_analysis::compare::names_of;
-use furrow_input::InputError;
+use furrow_input::{InputError, listed};
 use furrow_lineage::Lineage;
-use furrow_measured::lifetimes::EmbryoTimes;
+use furrow_measured::lifetimes::{EmbryoTimes, distortion};
 use furrow_measured::matching::{Matched, Matching};
 use furrow_measured::names::Names;
 use furrow_measured::per_embryo::PerEmbryo;
 use furrow_measured::tracked::{EmbryoFile, LeftOut, TableKind, embryo_files};
-use furrow_measured::volumes::{EmbryoSize, Unit};
+use furrow_measured::volumes::{EmbryoSize, Unit, Volumes};
 
 use super::messages;
 use super::output::{number, or_dash};
@@ -136,4 +136,40 @@ pub fn times_text(times: &[EmbryoTimes]) -> String {
         let _ = writeln!(out, "{embryo:<wide$} {cells:>5} {shared:>7} {minutes:>13} {factor:>18} {shift:>10}");
     }
     out + "\n"
+}
+
+/// Names embryos that share cells but have no size factor.
+pub fn warn_of_sizes(sizes: &[EmbryoSize]) {
+    let apart = sizes.iter().filter(|size| size.shared > 0 && size.size_factor.is_none());
+    warn_of_apart(apart.map(|size| size.embryo.as_str()), "size factor");
+}
+
+/// Cells of embryos of other sizes change proportions of mean volumes by this factor at most without a warning.
+const DISTORTED: f64 = 1.1;
+
+/// Says which embryos have no size factor, and whether sizes distort mean volumes.
+pub fn warn_of_averages(volumes: &Volumes) {
+    warn_of_sizes(&volumes.sizes());
+    let by = distortion(volumes);
+    if !volumes.common_size && by > DISTORTED {
+        messages::warning!(
+            "embryos of different sizes lack different cells, which changes ratios of mean volumes by a factor of up to {by:.2}; \
+             --common-size prevents this"
+        );
+    }
+}
+
+/// Names embryos that share cells but have no time factor.
+pub fn warn_of_times(times: &[EmbryoTimes]) {
+    let apart = times.iter().filter(|times| times.shared > 0 && times.time_factor.is_none());
+    warn_of_apart(apart.map(|times| times.embryo.as_str()), "time factor or minute 0");
+}
+
+fn warn_of_apart<'a>(names: impl Iterator<Item = &'a str>, what: &str) {
+    let names = listed(names, ", ");
+    if !names.is_empty() {
+        messages::warning!(
+            "no {what} of {names}: they share cells with each other, but no cell connects them with the other embryos"
+        );
+    }
 }

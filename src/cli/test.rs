@@ -15,7 +15,7 @@ use furrow_analysis::tempering::Sampling;
 use furrow_analysis::tree_settings;
 use furrow_figures::plot;
 use furrow_formats::write_atomically;
-use furrow_input::InputError;
+use furrow_input::{InputError, listed};
 use furrow_lineage::batch::Store;
 use furrow_lineage::{Lineage, TreeSettings};
 use furrow_measured::lifetimes::{LifetimeOptions, Lifetimes};
@@ -162,6 +162,13 @@ pub fn run(args: &TestArgs, context: &Context) -> Result<(), CliError> {
         let run = FitRun::new(&lineage, &settings, context.threads, interrupt::flag());
         test(&FitRun { progress: Some(&show), ..run }, &question)
     })?;
+    if !found.near_zero.is_empty() {
+        messages::warning!(
+            "|χ| of {} lies within two errors of 0 in the table and in a hypothesis: an equal division then looks unequal, which favours a \
+             weak cue; --folded takes this into account",
+            listed(found.near_zero.iter().map(String::as_str), ", ")
+        );
+    }
     messages::warn_of(memo.store().map_or_else(Vec::new, Store::take_warnings));
     picture.write(|| plot::hypotheses::draw(&found))?;
     if let Some(file) = &args.posterior {

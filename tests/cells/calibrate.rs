@@ -17,7 +17,7 @@ fn threshold(r0: f64, epsilon: f64) -> Threshold {
         r0,
         epsilon,
         xi_s: first(&Cell { epsilon, ..Cell::gao2026_thresholds(r0) }).point.xi_s,
-        weight: 1.0,
+        weight: None,
         tolerance: 0.003,
     }
 }
@@ -61,7 +61,7 @@ fn the_papers_thresholds() {
     let thresholds: Vec<Threshold> = CELLS
         .iter()
         .zip(published)
-        .map(|(&(r0, epsilon), xi_s)| Threshold { r0, epsilon, xi_s, weight: 1.0, tolerance: 0.003 })
+        .map(|(&(r0, epsilon), xi_s)| Threshold { r0, epsilon, xi_s, weight: None, tolerance: 0.003 })
         .collect();
     let rms = |list: &[Threshold]| {
         let sum: f64 = list.iter().map(|t| (threshold(t.r0, t.epsilon).xi_s / t.xi_s - 1.0).powi(2)).sum();

@@ -276,7 +276,8 @@ impl<'a> ConstantsSearch<'a> {
         let fit = calibrate(self.targets, self.cell, self.numerics)?;
         let starts = self.targets.starts(self.cell);
         let d = starts.len();
-        let tolerance = self.targets.thresholds.iter().map(|t| t.tolerance / t.weight).fold(f64::INFINITY, f64::min);
+        let weighted = self.targets.thresholds.iter().zip(self.targets.weights());
+        let tolerance = weighted.map(|(t, weight)| t.tolerance / weight).fold(f64::INFINITY, f64::min);
         let mut precision = DMatrix::identity(d, d) / (PRIOR * PRIOR);
         for combination in &fit.combinations {
             let direction = DVector::from_column_slice(&combination.components);

@@ -5,7 +5,6 @@ use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, criti
 use furrow_lineage::{
     EndRule, GrowError, Grower, Lineage, ObservedRounds, Rounds, Thresholds, Tree, TreeSettings, founder_rounds,
 };
-use furrow_measured::statistics::{mean, ranks};
 use ordered_float::OrderedFloat;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -288,7 +287,7 @@ fn founder_range(lineage: &Lineage, sets: &[Constants], trees: &[TreeCounts], k:
         chi: range(&|tree| tree.founders[k].1),
         cells: rounds(|r| f64::from(r.terminal)),
         divides: share(trees, |tree| tree.founders[k].2),
-        depends_on: strongest(sets, &trees.iter().map(terminal).collect::<Vec<_>>()),
+        depends_on: strongest(sets, trees, &trees.iter().map(terminal).collect::<Vec<_>>()),
     }
 }
 
@@ -329,22 +328,43 @@ pub(crate) fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[TreeCoun
     }
 }
 
-/// The constant that correlates most with the given numbers, one a set; `None` if all numbers are equal.
-fn strongest(sets: &[Constants], numbers: &[f64]) -> Option<Dependence> {
-    let ranked = ranks(numbers);
+/// The constant that correlates most with the given numbers, one a set, by the weights of the trees; `None` if all numbers are equal.
+fn strongest(sets: &[Constants], trees: &[TreeCounts], numbers: &[f64]) -> Option<Dependence> {
+    let weights: Vec<f64> = trees.iter().map(|tree| tree.weight).collect();
+    let ranked = |values: &[f64]| {
+        let varies = values.windows(2).any(|pair| pair[0] != pair[1]);
+        varies.then(|| ranks(values, &weights))
+    };
+    let of_numbers = ranked(numbers)?;
     let by = |(k, constant): (usize, &Constant)| -> Option<Dependence> {
         let values: Vec<f64> = sets.iter().map(|set| set.values[k].value).collect();
-        let rank_correlation = correlation(&ranks(&values), &ranked)?;
+        let rank_correlation = weighted_correlation(&ranked(&values)?, &of_numbers, &weights)?;
         Some(Dependence { parameter: constant.name(), rank_correlation })
     };
     let all = sets.first()?.values.iter().enumerate().filter_map(by);
     all.max_by(|a, b| a.rank_correlation.abs().total_cmp(&b.rank_correlation.abs()))
 }
 
+/// The ranks of values with weights: the weight of all smaller ones and half of the weight of equal ones.
+fn ranks(values: &[f64], weights: &[f64]) -> Vec<f64> {
+    let share = |x: f64, y: f64| if y < x { 1.0 } else { 0.5 * f64::from(u8::from(y == x)) };
+    let rank = |x: &f64| values.iter().zip(weights).map(|(y, weight)| weight * share(*x, *y)).sum();
+    values.iter().map(rank).collect()
+}
+
 /// Pearson's correlation; `None` where one of the two does not vary.
 pub(crate) fn correlation(a: &[f64], b: &[f64]) -> Option<f64> {
+    weighted_correlation(a, b, &vec![1.0; a.len()])
+}
+
+/// The same of pairs with weights.
+fn weighted_correlation(a: &[f64], b: &[f64], weights: &[f64]) -> Option<f64> {
+    let total: f64 = weights.iter().sum();
+    let mean = |values: &[f64]| values.iter().zip(weights).map(|(x, w)| w * x).sum::<f64>() / total;
     let (ma, mb) = (mean(a), mean(b));
-    let sum = |of: &dyn Fn(f64, f64) -> f64| a.iter().zip(b).map(|(x, y)| of(x - ma, y - mb)).sum::<f64>();
+    let sum = |of: &dyn Fn(f64, f64) -> f64| {
+        a.iter().zip(b).zip(weights).map(|((x, y), w)| w * of(x - ma, y - mb)).sum::<f64>()
+    };
     let (ab, aa, bb) = (sum(&|x, y| x * y), sum(&|x, _| x * x), sum(&|_, y| y * y));
     (aa > 0.0 && bb > 0.0).then(|| ab / (aa * bb).sqrt())
 }
@@ -364,10 +384,17 @@ mod tests {
 
     #[test]
     fn ranks_of_equal_numbers_are_shared() {
-        assert_eq!(ranks(&[3.0, 1.0, 3.0, 2.0]), [3.5, 1.0, 3.5, 2.0]);
+        assert_eq!(ranks(&[3.0, 1.0, 3.0, 2.0], &[1.0; 4]), [3.0, 0.5, 3.0, 1.5]);
+        assert_eq!(ranks(&[3.0, 1.0, 2.0], &[0.5, 2.0, 1.0]), [3.25, 1.0, 2.5]);
         let rising: Vec<f64> = (0..9).map(|k| f64::from(k).exp()).collect();
         let straight: Vec<f64> = (0..9).map(f64::from).collect();
-        assert!((correlation(&ranks(&rising), &ranks(&straight)).unwrap() - 1.0).abs() < 1e-12);
+        let [a, b] = [&rising, &straight].map(|values| ranks(values, &[1.0; 9]));
+        assert!((correlation(&a, &b).unwrap() - 1.0).abs() < 1e-12);
         assert_eq!(correlation(&[1.0, 1.0], &[1.0, 2.0]), None);
+        // A set counts as often as its weight says, and not at all with the weight 0.
+        let (a, b) = ([1.0, 2.0, 3.0, 0.0], [1.0, 3.0, 2.0, 9.0]);
+        let twice = correlation(&[1.0, 2.0, 3.0, 3.0], &[1.0, 3.0, 2.0, 2.0]).unwrap();
+        let found = weighted_correlation(&a, &b, &[0.5, 0.5, 1.0, 0.0]).unwrap();
+        assert!((found - twice).abs() < 1e-12, "{found} {twice}");
     }
 }

@@ -21,10 +21,10 @@ use crate::names::Names;
 use crate::pace::{InEmbryos, Shares, shares};
 use crate::per_embryo::PerEmbryo;
 use crate::several::Source;
-use crate::significance::{Sample, Trend, power, sign_test, welch};
-use crate::statistics::{grouped, mean, sd};
+use crate::significance::{Sample, Trend, paired, power, sign_test, welch};
+use crate::statistics::{grouped, mean, sd, smaller};
 use crate::tracked::{EmbryoFile, TrackOptions, TrackedLineage, read_tracked};
-use crate::volumes::{MOST_PLACES, Skipped, Value, Volumes, note, require_used};
+use crate::volumes::{EmbryoSize, MOST_PLACES, Skipped, Value, Volumes, note, require_used};
 
 /// How long a cell lives in some embryos.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -67,6 +67,8 @@ pub struct Lifetimes {
     pub matched: Vec<Matched>,
     /// The embryos, where they are known.
     pub embryos: Vec<EmbryoTimes>,
+    /// The lifetimes of the cells of each of them.
+    by_embryo: Vec<HashMap<String, f64>>,
 }
 
 /// An embryo beside the others.
@@ -80,7 +82,7 @@ pub struct EmbryoTimes {
     pub shared: usize,
     /// Minutes from one frame to the next, where frames are counted.
     pub frame_minutes: Option<f64>,
-    /// The lifetimes of its cells divided by the lifetimes in all embryos; `None` if it shares no cell with others.
+    /// The lifetimes of its cells divided by the lifetimes in all embryos; `None` if no shared cells connect it with most embryos.
     pub time_factor: Option<f64>,
     /// Standard deviation of ln lifetime about what its factor gives.
     pub scatter: Option<f64>,
@@ -289,6 +291,11 @@ impl Lifetimes {
         require_used(self.used, (&place, "lifetimes"), &self.skipped, self.skipped_count)?;
         rows.align(common_pace);
         self.embryos = std::mem::take(&mut rows.embryos);
+        self.by_embryo = vec![HashMap::new(); self.embryos.len()];
+        for RowOfEmbryo { lifetime, embryo } in &rows.rows {
+            let own = embryo.map(|embryo| &mut self.by_embryo[embryo]);
+            own.map(|own| own.insert(lifetime.cell.clone(), lifetime.mean));
+        }
         self.cells = rows.averaged();
         Ok(self)
     }
@@ -371,11 +378,27 @@ fn averaged(rows: &[Lifetime]) -> Option<Lifetime> {
     Some(Lifetime { n: rows.len() as u64, mean: mean(&lives), sd: sd(&lives), birth, ..first.clone() })
 }
 
-/// Mean volume of every cell over the embryos that have it.
+/// Mean volume of every cell over the embryos that have it, with [`Volumes::common_size`] of volumes divided by the size factor of their
+/// embryo.
 pub fn mean_volumes(volumes: &Volumes) -> BTreeMap<String, f64> {
-    let cells = volumes.embryos.iter().flat_map(|embryo| &embryo.cells).filter(|cell| cell.frames > 0);
-    let by_name = grouped(cells.map(|cell| (cell.cell.as_str(), cell.volume())));
+    means_at(volumes, volumes.common_size)
+}
+
+fn means_at(volumes: &Volumes, common_size: bool) -> BTreeMap<String, f64> {
+    let factor = |size: EmbryoSize| size.size_factor.filter(|_| common_size).unwrap_or(1.0);
+    let embryos = volumes.embryos.iter().zip(volumes.sizes().into_iter().map(factor));
+    let cells = embryos.flat_map(|(embryo, factor)| embryo.cells.iter().map(move |cell| (cell, factor)));
+    let cells = cells.filter(|(cell, _)| cell.frames > 0);
+    let by_name = grouped(cells.map(|(cell, factor)| (cell.cell.as_str(), cell.volume() / factor)));
     by_name.into_iter().map(|(cell, volumes)| (cell.to_owned(), mean(&volumes))).collect()
+}
+
+/// How far the sizes of embryos distort the proportions of cells that some of them lack: the largest change of a ratio of two mean volumes
+/// by a common size, as a factor of 1 or more.
+pub fn distortion(volumes: &Volumes) -> f64 {
+    let changes = means_at(volumes, true).into_values().zip(means_at(volumes, false).into_values()).map(|(a, b)| a / b);
+    let [least, most] = changes.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], x| [least.min(x), most.max(x)]);
+    if most > 0.0 { most / least } else { 1.0 }
 }
 
 /// ln lifetime over ln volume of cells: all of them, and by founder.
@@ -405,32 +428,37 @@ pub struct Sisters {
     pub daughters: [String; 2],
     /// Mean lifetimes, in minutes.
     pub lifetimes: [f64; 2],
-    /// Which divides first: 0 or 1; `None` if their means are equal.
+    /// Which divides first: 0 or 1, by the embryos that have both if there are any; `None` if their means are equal.
     pub first: Option<usize>,
-    /// Two-sided p value of Welch's test of their lifetimes; embryos are not paired.
+    /// Two-sided p value of the difference of their lifetimes: of ln lifetime paired over `embryos`, or Welch's of a table of means.
     pub p: Option<f64>,
+    /// Embryos in which both were measured; 0 of a table of means.
+    pub embryos: usize,
 }
 
 /// Pairs of sisters that both have a lifetime, by generation and name of the mother.
 pub fn sisters(lifetimes: &Lifetimes) -> Vec<Sisters> {
     let by_name: HashMap<&str, &Lifetime> = lifetimes.cells.iter().map(|cell| (cell.cell.as_str(), cell)).collect();
+    let by_embryo = &lifetimes.by_embryo;
     let of = |cell: &Lifetime| {
         let (mother, other, is_first) = lifetimes.names.birth(&cell.cell)?;
         let other = *by_name.get(other.as_str()).filter(|_| is_first)?;
         let sample = |cell: &Lifetime| Some(Sample { n: cell.n, mean: cell.mean, sd: cell.sd? });
         let lifetimes = [cell.mean, other.mean];
-        let p = sample(cell).zip(sample(other)).and_then(|(a, b)| welch(a, b));
-        let daughters = [cell.cell.clone(), other.cell.clone()];
-        Some(Sisters { mother: mother.to_owned(), daughters, lifetimes, first: smaller(lifetimes), p })
+        // Sisters of one embryo share its pace.
+        let difference = |own: &HashMap<String, f64>| Some((own.get(&cell.cell)? / own.get(&other.cell)?).ln());
+        let differences: Vec<f64> = by_embryo.iter().filter_map(difference).collect();
+        let p = match by_embryo.is_empty() {
+            true => sample(cell).zip(sample(other)).and_then(|(a, b)| welch(a, b)),
+            false => paired(&differences).and_then(|test| test.p),
+        };
+        let first = smaller(if differences.is_empty() { lifetimes } else { [mean(&differences), 0.0] });
+        let (daughters, embryos) = ([cell.cell.clone(), other.cell.clone()], differences.len());
+        Some(Sisters { mother: mother.to_owned(), daughters, lifetimes, first, p, embryos })
     };
     let mut pairs: Vec<Sisters> = lifetimes.cells.iter().filter_map(of).collect();
     pairs.sort_by(|a, b| place(&a.mother).cmp(&place(&b.mother)));
     pairs
-}
-
-/// Which of two values is the smaller; `None` if they are equal.
-pub fn smaller([a, b]: [f64; 2]) -> Option<usize> {
-    if a == b { None } else { Some(usize::from(b < a)) }
 }
 
 /// How often an expected order is the measured one.

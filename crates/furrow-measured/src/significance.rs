@@ -25,9 +25,16 @@ const ONE_SIZE: f64 = 1.25;
 /// sizes always fits: the error of its slope is then NaN, its p value and its shares of the variation `None`.
 pub fn power(points: &[[f64; 2]]) -> Option<Trend> {
     let mut line = line_of(points, [1.0; 2])?;
-    let mut sizes: Vec<f64> = points.iter().map(|[ln_volume, _]| *ln_volume).collect();
-    sizes.sort_by(f64::total_cmp);
-    if sizes.chunk_by(|a, b| b - a <= ONE_SIZE.ln()).count() < 3 {
+    let mut volumes: Vec<f64> = points.iter().map(|[ln_volume, _]| *ln_volume).collect();
+    volumes.sort_by(f64::total_cmp);
+    // The smallest volume of each size: a chain of neighbours is no single size.
+    let mut sizes = Vec::new();
+    for volume in volumes {
+        if sizes.last().is_none_or(|least| volume - least > ONE_SIZE.ln()) {
+            sizes.push(volume);
+        }
+    }
+    if sizes.len() < 3 {
         (line.slope_error, line.intercept_error) = (f64::NAN, None);
         (line.r_squared, line.r_squared_about_mean) = (None, None);
     }

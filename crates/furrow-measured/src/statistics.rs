@@ -52,6 +52,12 @@ fn is_constant(values: &[f64], size: f64) -> bool {
     most - least <= ROUNDING * size.max(most.abs()).max(least.abs())
 }
 
+/// Whether sorted neighbours differ by rounding alone, beside the largest of all values.
+fn same_within(values: &[f64]) -> impl Fn(f64, f64) -> bool + use<> {
+    let most = values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    move |a, b| (a - b).abs() <= ROUNDING * most
+}
+
 /// Sum of the squares of values about their mean; 0 if they differ by rounding alone.
 pub fn squares_about_mean(values: &[f64]) -> f64 {
     let mean = mean(values);
@@ -115,6 +121,11 @@ pub enum Method {
     Asymptotic,
 }
 
+/// Which of two values is the smaller; `None` if they are equal up to rounding.
+pub fn smaller([a, b]: [f64; 2]) -> Option<usize> {
+    if same_within(&[a, b])(a, b) { None } else { Some(usize::from(b < a)) }
+}
+
 /// A rank-sum test of whether values of one sample tend to be larger than values of another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RankSum {
@@ -148,7 +159,8 @@ pub fn rank_sum(a: &[f64], b: &[f64]) -> Option<RankSum> {
     all.sort_by_cached_key(|item| OrderedFloat(item.0));
     let (mut ranks_of_a, mut ties, mut tied) = (0.0, 0.0, false);
     let mut rank = 0.0;
-    for equal in all.chunk_by(|x, y| x.0 == y.0) {
+    let same = same_within(&all.iter().map(|item| item.0).collect::<Vec<_>>());
+    for equal in all.chunk_by(|x, y| same(x.0, y.0)) {
         let count = equal.len() as f64;
         // Equal values share the mean of their ranks.
         ranks_of_a += equal.iter().filter(|(_, of_a)| *of_a).count() as f64 * (rank + 0.5 * (count + 1.0));
@@ -212,13 +224,14 @@ pub struct RankCorrelation {
     pub method: Method,
 }
 
-/// The ranks of some values from 1, in their order; equal ones share the mean of theirs.
+/// The ranks of some values from 1, in their order; those that are equal up to rounding share the mean of theirs.
 pub fn ranks(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by_cached_key(|k| OrderedFloat(values[*k]));
     let mut ranks = vec![0.0; values.len()];
     let mut before = 0.0;
-    for equal in order.chunk_by(|a, b| values[*a] == values[*b]) {
+    let same = same_within(values);
+    for equal in order.chunk_by(|a, b| same(values[*a], values[*b])) {
         let count = equal.len() as f64;
         equal.iter().for_each(|place| ranks[*place] = before + 0.5 * (count + 1.0));
         before += count;

@@ -101,6 +101,8 @@ pub struct VolumeTrend {
     pub spearman: Option<RankCorrelation>,
     /// The line of each embryo, in the order of the table: a trend over all may be one between embryos.
     pub embryos: Vec<EmbryoTrend>,
+    /// Divisions beyond the first one of each mother; all tests take them for independent.
+    pub repeats: usize,
 }
 
 /// The trend within an embryo.
@@ -121,7 +123,9 @@ pub fn volume_trend(divisions: &[Division]) -> VolumeTrend {
         Some(EmbryoTrend { embryo: embryo.to_owned(), line: volume_line(&points)? })
     };
     let embryos = embryos.into_iter().filter_map(of).collect();
-    VolumeTrend { line: volume_line(&all), spearman: rank_correlation(&all), embryos }
+    let cells = grouped(divisions.iter().map(|division| (division.mother.as_str(), ())));
+    let repeats = divisions.len() - cells.len();
+    VolumeTrend { line: volume_line(&all), spearman: rank_correlation(&all), embryos, repeats }
 }
 
 /// Each bin beside the next one of larger cells.

@@ -2,7 +2,7 @@
 //!
 //! * *Long*: one row per cell, or per cell and frame. The columns, in any order: `cell`, `volume` (or with its unit:
 //!   `volume_um3`, `volume_voxels`, `relative_volume`, each also with the prefix `mean_`), `embryo`, and optionally `group`,
-//!   `frame`, `n` and `unit`.
+//!   `frame`, `unit` and `n`: the frames that a mean is over, which must be at least 1 and do not weight it.
 //! * *Grid*: one row per frame, one column per cell, in voxels. The file is named after the embryo, as `Sample04_Volume.csv`; or one
 //!   row per embryo, with a column `embryo`.
 //! * *Divisions*: one row per division, with the volumes of both daughters, `larger_um3` and `smaller_um3`, beside `embryo` and
@@ -121,7 +121,7 @@ pub struct EmbryoSize {
     pub shared: usize,
     /// Edge of its voxels in µm, where it is given.
     pub voxel: Option<f64>,
-    /// The volumes of its cells divided by the volumes in all embryos; `None` if it shares no cell with others.
+    /// The volumes of its cells divided by the volumes in all embryos; `None` if no shared cells connect it with most embryos.
     pub size_factor: Option<f64>,
     /// Standard deviation of ln volume about what its factor gives.
     pub scatter: Option<f64>,
@@ -215,6 +215,8 @@ pub struct Volumes {
     pub files: usize,
     /// Edges of voxels, as the last table was read.
     pub voxels: PerEmbryo,
+    /// Whether volumes are divided by the size factor of their embryo before they are averaged.
+    pub common_size: bool,
     /// The unit given for volumes without one, as the last table was read.
     given_unit: Option<Unit>,
     /// Whether a volume had no unit, or the given one; and whether one was in voxels or pixels.

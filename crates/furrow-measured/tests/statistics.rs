@@ -5,7 +5,7 @@ mod lifetimes;
 use furrow_measured::dose::{Doses, by_condition, by_dose, trend};
 use furrow_measured::events::{Division, divisions, summaries};
 use furrow_measured::published::{rodrigues2024, villoutreix2016};
-use furrow_measured::significance::{Sample, needed, paired, power, slope_p, welch};
+use furrow_measured::significance::{Sample, Trend, needed, paired, power, slope_p, welch};
 use furrow_measured::statistics::{
     Line, Method, box_plot, line, line_through_origin, mean, rank_correlation, rank_sum, sd, stars,
 };
@@ -162,12 +162,35 @@ fn values_that_differ_by_rounding_are_equal() {
         let points = [[x, 1.0], [other, 2.0], [x, 4.0]];
         assert!(line(&points).is_none() && rank_correlation(&points).is_none(), "{x}");
     }
+    // Twelve χ of 0.1 that were computed from different volumes: no value is larger than another.
+    let chi = |[large, small]: [f64; 2]| (large - small) / (large + small);
+    let of = |sizes: [[f64; 2]; 3]| sizes.iter().cycle().take(6).map(|size| chi(*size)).collect::<Vec<f64>>();
+    let [a, b] = [[[1.1, 0.9], [2.2, 1.8], [4.4, 3.6]], [[11.0, 9.0], [22.0, 18.0], [44.0, 36.0]]].map(of);
+    let found = rank_sum(&a, &b).unwrap();
+    assert_eq!((found.u, found.p), (18.0, 1.0));
+    // Ranks 1½, 1½, 3 and 4 with one pair equal by rounding.
+    let points = [0.1 + 0.2, 0.3, 0.4, 0.5].iter().enumerate().map(|(x, y)| [x as f64, *y]).collect::<Vec<_>>();
+    assert_eq!(rank_correlation(&points).unwrap().p, 2.0 / 12.0);
     // Logarithms near 0, of the volumes 1 and one that rounds.
     let relative = [[1.0, 0.1], [1.0 - f64::EPSILON, 0.2], [1.0, 0.4]];
     assert!(volume_line(&relative).is_none() && power(&relative.map(|[x, y]| [x.ln(), y])).is_none());
     assert_eq!((sd(&[0.1; 3]), paired(&[0.1; 3]).unwrap().p, paired(&[0.0; 3]).unwrap().p), (Some(0.0), None, None));
     let one = Sample { n: 3, mean: 0.1, sd: sd(&[0.1; 3]).unwrap() };
     assert_eq!(welch(one, Sample { mean: 0.2, ..one }), None);
+}
+
+/// Fifteen sizes, each 1.2 times as large as the next, are no single size (`scipy.stats.linregress`).
+#[test]
+fn a_chain_of_sizes_determines_an_exponent_with_its_error() {
+    let sizes = (0..15).map(|k| -f64::from(k) * 1.2_f64.ln());
+    let points: Vec<[f64; 2]> =
+        sizes.enumerate().map(|(k, x)| [x, -0.3 * x + 0.05 * (-1.0_f64).powi(k as i32)]).collect();
+    let Trend { line, p } = power(&points).unwrap();
+    assert!((line.slope_error - 0.01756546583090574).abs() < 1e-12, "{line:?}");
+    assert!((p.unwrap() / 2.7564758055271934e-10 - 1.0).abs() < 1e-8, "{p:?}");
+    // Three values that each lie within a factor 1.25 of a size make two sizes.
+    let two = [[0.0, 1.0], [0.2, 1.1], [1.0, 2.0]];
+    assert!(power(&two).unwrap().line.slope_error.is_nan());
 }
 
 /// By `statsmodels.stats.power.TTestPower().solve_power(ratio, alpha=0.05, power=0.8)`, rounded up.

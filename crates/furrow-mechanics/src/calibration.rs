@@ -4,6 +4,8 @@
 //!
 //! * \[F.1 residual\] ρ_i = weight_i (ξ_s*(R0_i, ε_i; θ) / ξ_s,i − 1),
 //!
+//! where a weight that is not given is in inverse proportion to the tolerance, so that Σ_i ρ_i² is least where χ² is.
+//!
 //! by Levenberg–Marquardt steps. The sensitivities ∂ξ_s*/∂θ are exact: directions of the curve of pitchforks in the
 //! plane (ξ_s, θ), from the extended system. Singular values of ∂ρ/∂ln θ show the combinations of parameters that the
 //! thresholds determine, and those that they leave open: stationary shapes depend on κ, p0, γ and the activity gξ only
@@ -42,9 +44,9 @@ pub struct Threshold {
     pub epsilon: f64,
     /// Threshold ξ_s*, as published.
     pub xi_s: f64,
-    /// Weight of its relative deviation.
-    #[serde(default = "unit_weight")]
-    pub weight: f64,
+    /// Weight of its relative deviation; default: in inverse proportion to the tolerance.
+    #[serde(default)]
+    pub weight: Option<f64>,
     /// Its relative tolerance: the standard deviation for an ensemble of constants.
     #[serde(default = "tolerance")]
     pub tolerance: f64,
@@ -62,13 +64,10 @@ impl Threshold {
     /// Names the field, its value and the allowed values.
     pub fn check(&self, source_name: &str, name: &str) -> Result<(), InputError> {
         let Threshold { r0, epsilon, xi_s, weight, tolerance } = *self;
+        let weight = weight.unwrap_or(1.0);
         let numbers = [("r0", r0), ("epsilon", epsilon), ("xi_s", xi_s), ("weight", weight), ("tolerance", tolerance)];
         check_numbers(source_name, name, &numbers)
     }
-}
-
-fn unit_weight() -> f64 {
-    1.0
 }
 
 /// A parameter to fit.
@@ -147,7 +146,7 @@ pub struct Calibration {
     pub cell: Cell,
     /// Given thresholds beside the computed ones.
     pub residuals: Vec<ThresholdResidual>,
-    /// Root of the weighted mean square of the relative deviations.
+    /// Root mean square of the relative deviations.
     pub rms: f64,
     /// Directions in order of decreasing singular value.
     pub combinations: Vec<Combination>,
@@ -186,6 +185,23 @@ impl Targets {
     /// The starting values of the unknowns: their own, or else the values of `cell`.
     pub fn starts(&self, cell: &Cell) -> Vec<(Parameter, f64)> {
         self.unknowns.iter().map(|u| (u.parameter, u.start.unwrap_or(u.parameter.get(cell)))).collect()
+    }
+
+    /// The weights of the thresholds. Those that are not given are in inverse proportion to the tolerances, with a mean square of 1.
+    pub fn weights(&self) -> Vec<f64> {
+        let own: Vec<&Threshold> = self.thresholds.iter().filter(|t| t.weight.is_none()).collect();
+        let scale = (own.iter().map(|t| t.tolerance.powi(-2)).sum::<f64>() / own.len() as f64).sqrt().recip();
+        // Of tolerances that are all equal the weight is 1 without rounding.
+        let is_equal = own.windows(2).all(|pair| pair[0].tolerance == pair[1].tolerance);
+        let of = |t: &Threshold| t.weight.unwrap_or(if is_equal { 1.0 } else { scale / t.tolerance });
+        self.thresholds.iter().map(of).collect()
+    }
+
+    /// Whether the weights are those of the least χ².
+    pub fn is_weighted_by_tolerances(&self) -> bool {
+        let shares = self.weights().into_iter().zip(&self.thresholds).map(|(weight, t)| weight * t.tolerance);
+        let [least, most] = shares.fold([f64::INFINITY, 0.0], |[a, b]: [f64; 2], x| [a.min(x), b.max(x)]);
+        most - least <= 1e-9 * most
     }
 
     /// Checks every value; `source_name` is the name of the file in errors.
@@ -314,10 +330,10 @@ struct Evaluation {
 
 fn evaluate(targets: &Targets, cell: &Cell, numerics: &Numerics, near: Option<&[Solution]>) -> Result<Evaluation> {
     let mut out = Evaluation { shapes: Vec::new(), residuals: Vec::new(), cost: 0.0 };
-    for (index, t) in targets.thresholds.iter().enumerate() {
+    for (index, (t, weight)) in targets.thresholds.iter().zip(targets.weights()).enumerate() {
         let y = threshold(&t.cell(cell), numerics, near.map(|near| &near[index]))
             .map_err(|source| CalibrateError::Threshold { index, source })?;
-        let residual = t.weight * (y.scalars[XI] / t.xi_s - 1.0);
+        let residual = weight * (y.scalars[XI] / t.xi_s - 1.0);
         out.cost += residual * residual;
         out.residuals.push(residual);
         out.shapes.push(y);
@@ -327,11 +343,12 @@ fn evaluate(targets: &Targets, cell: &Cell, numerics: &Numerics, near: Option<&[
 
 /// ∂ρ/∂x in the search's coordinates.
 fn jacobian(targets: &Targets, cell: &Cell, theta: &[(Parameter, f64)], shapes: &[Solution]) -> Result<Vec<Vec<f64>>> {
+    let weights = targets.weights();
     let entry = |index: usize, parameter: Parameter, value: f64| {
         let t = &targets.thresholds[index];
         let slope = sensitivity(&t.cell(cell), &shapes[index], parameter)
             .map_err(|source| CalibrateError::Sensitivity { index, parameter, source })?;
-        Ok(t.weight / t.xi_s * slope * unit(parameter, value))
+        Ok(weights[index] / t.xi_s * slope * unit(parameter, value))
     };
     let row = |index| theta.iter().map(|&(parameter, value)| entry(index, parameter, value)).collect();
     (0..targets.thresholds.len()).map(row).collect()
@@ -425,18 +442,19 @@ pub fn calibrate(targets: &Targets, cell: &Cell, numerics: &Numerics) -> Result<
     // shape.
     let fitted = with_values(cell, &parameters);
     let last = evaluate(targets, &fitted, numerics, None)?;
-    let row = |(t, y): (&Threshold, &Solution)| ThresholdResidual {
+    let row = |((t, y), weight): ((&Threshold, &Solution), f64)| ThresholdResidual {
         r0: t.r0,
         epsilon: t.epsilon,
         xi_s: t.xi_s,
         computed: y.scalars[XI],
         relative: y.scalars[XI] / t.xi_s - 1.0,
-        weight: t.weight,
+        weight,
     };
+    let residuals: Vec<_> = targets.thresholds.iter().zip(&last.shapes).zip(targets.weights()).map(row).collect();
     Ok(Calibration {
         cell: fitted,
-        residuals: targets.thresholds.iter().zip(&last.shapes).map(row).collect(),
-        rms: (last.cost / count).sqrt(),
+        rms: (residuals.iter().map(|residual| residual.relative.powi(2)).sum::<f64>() / count).sqrt(),
+        residuals,
         combinations: combinations(&decomposition),
         parameters,
         iterations,

@@ -67,6 +67,14 @@ pub fn trend_text(trend: &VolumeTrend) -> String {
             let _ = writeln!(out, "  embryo {embryo}: {:+.4} ± {:.4} ({})", line.slope, line.slope_error, line.n);
         }
     }
+    if trend.repeats > 0 {
+        let _ = writeln!(
+            out,
+            "  {} of the divisions repeat a cell of another embryo; the tests of bins and trend count them as independent, so that p is \
+             too small where cells differ",
+            trend.repeats
+        );
+    }
     out + "\n"
 }
 
@@ -90,12 +98,12 @@ pub fn noise_text(null: &NoiseNull) -> String {
     let Interval { mean, low, high } = null.null_slope;
     let _ = writeln!(
         out,
-        "  Trend {:+.4} per decade; of noise alone {mean:+.4} [{low:+.4}, {high:+.4}]: {:.0} % of it ({:.1} % of the draws are as steep)",
+        "  Trend {:+.4} per decade; of noise alone {mean:+.4} [{low:+.4}, {high:+.4}]: {:.0} % of it (p = {:.3})",
         null.measured.slope,
         100.0 * null.share,
-        100.0 * null.p
+        null.p
     );
-    out + "  The noise is an upper bound: growth and differences between embryos widen the spread too.\n\n"
+    out + "  Growth and differences between embryos widen the spread too, so that the noise may be smaller.\n\n"
 }
 
 fn interval(Interval { mean, low, high }: Interval) -> String {

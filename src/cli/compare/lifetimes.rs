@@ -3,7 +3,9 @@
 use super::{skipped_text, trees_of};
 use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
-use crate::cli::embryos::{MatchArgs, OfEmbryo, files_of, frame_minutes, matched_text, of_embryo, times_text};
+use crate::cli::embryos::{
+    MatchArgs, OfEmbryo, files_of, frame_minutes, matched_text, of_embryo, times_text, warn_of_averages, warn_of_times,
+};
 use crate::cli::error::CliError;
 use crate::cli::output::{or_dash, print_as};
 use crate::cli::picture::PlotArgs;
@@ -58,6 +60,9 @@ pub struct LifetimesArgs {
     /// Divides the times of each embryo by its time factor before averaging over embryos
     #[arg(help_heading = "Tables", long, requires = "tables")]
     common_pace: bool,
+    /// Divides the volumes of each embryo by its size factor before averaging over embryos
+    #[arg(help_heading = "Tables", long, requires = "volumes")]
+    common_size: bool,
     #[command(flatten)]
     matching: MatchArgs,
     #[command(flatten)]
@@ -70,7 +75,7 @@ pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
     let names = args.matching.names(model.lineage())?;
     let lifetimes = lifetimes(args, &names)?;
     let of_worm = names.are_of_worm();
-    let volumes = match &args.volumes[..] {
+    let mut volumes = match &args.volumes[..] {
         [] if of_worm => jankele2021_volumes()?,
         [] => Volumes::default(),
         files => Volumes::of_files(
@@ -79,6 +84,9 @@ pub fn run(args: &LifetimesArgs, context: &Context) -> Result<(), CliError> {
         )?,
     };
     names.require_met()?;
+    volumes.common_size = args.common_size;
+    warn_of_averages(&volumes);
+    warn_of_times(&lifetimes.embryos);
     let tree = model.tree(context)?;
     let found = compare_lifetimes(&tree, &lifetimes, &mean_volumes(&volumes));
     let is_used = found.cells.iter().any(|cell| cell.volume.is_some());
@@ -225,7 +233,9 @@ fn order_text(Order { pairs, larger_first, model }: &Order) -> String {
     let mut out = format!("order of division in {} pairs of sisters", pairs.len());
     // No test is possible for sisters measured only once.
     if pairs.iter().any(|pair| pair.measured.p.is_some()) {
-        let _ = write!(out, ", which differ in {} (Welch's p < 0.05)", pairs.iter().filter(certain).count());
+        let is_paired = pairs.iter().any(|pair| pair.measured.embryos > 0);
+        let test = if is_paired { "t test paired over embryos" } else { "Welch's test" };
+        let _ = write!(out, ", which differ in {} (p < 0.05, {test})", pairs.iter().filter(certain).count());
     }
     out.push('\n');
     if larger_first.pairs > 0 {

@@ -12,7 +12,7 @@ use super::by_size::{bins_text, noise_text, trend_text};
 use super::{MOST_SKIPPED, check_bins, ended, files, plus_minus, share, significance, skipped_text, trees_of};
 use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
-use crate::cli::embryos::{MatchArgs, OfEmbryo, files_of, matched_text, of_embryo, sizes_text, voxels};
+use crate::cli::embryos::{MatchArgs, OfEmbryo, files_of, matched_text, of_embryo, sizes_text, voxels, warn_of_sizes};
 use crate::cli::error::CliError;
 use crate::cli::interrupt;
 use crate::cli::output::{number, print, to_json, writable_folder};
@@ -35,7 +35,7 @@ use std::path::PathBuf;
 /// Compares size asymmetries of measured divisions with the model's
 ///
 /// A table has one of four layouts. Long: columns embryo, cell and volume (or volume_um3, volume_voxels, relative_volume) and optionally
-/// group, frame and n. Grid: frames by cells of one embryo, in voxels, such as SampleNN_Volume.csv. Divisions: columns embryo,
+/// group, frame and n, the frames that a mean is over, which must be at least 1. Grid: frames by cells of one embryo, in voxels, such as SampleNN_Volume.csv. Divisions: columns embryo,
 /// mother, larger_um3, smaller_um3 and optionally mother_um3, population and generation. χ: columns mother, chi (or
 /// chi_signed) and optionally embryo and group. Embryos tracked by other programs can be read too: nuclei (zip) or CD tables of
 /// AceTree, spots of TrackMate or Mastodon as CSV with their links in the same folder, GEFF. Without a table the model is compared with
@@ -147,6 +147,7 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
         let regress = |groups: &[GroupComparison]| Ok(regressions(args, groups)?);
         VolumesComparison::of(&measured, args.bins.as_deref(), &model, grow, regress)
     })?;
+    warn_of_sizes(&found.embryos);
     let json = to_json(&found)?;
     if let Some(out) = &args.out {
         files::write(out, &found, &measured.divisions.divisions, &json)?;

@@ -5,7 +5,9 @@ use serde_json::json;
 
 use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
-use crate::cli::embryos::{MatchArgs, OfEmbryo, files_of, frame_minutes, matched_text, of_embryo, times_text};
+use crate::cli::embryos::{
+    MatchArgs, OfEmbryo, files_of, frame_minutes, matched_text, of_embryo, times_text, warn_of_averages, warn_of_times,
+};
 use crate::cli::error::CliError;
 use crate::cli::output::{merged, or_dash, print_as, writable_file};
 use crate::cli::picture::PlotArgs;
@@ -45,6 +47,9 @@ pub struct ClockArgs {
     /// Divides the times of each embryo by its time factor before averaging over embryos
     #[arg(help_heading = "Targets", long, requires = "tables")]
     common_pace: bool,
+    /// Divides the volumes of each embryo by its size factor before averaging over embryos
+    #[arg(help_heading = "Targets", long, requires = "volumes")]
+    common_size: bool,
     #[command(flatten)]
     matching: MatchArgs,
     /// Lineage with the founders to fit; default the built-in C. elegans founders
@@ -74,7 +79,7 @@ pub fn run(args: &ClockArgs, context: &Context) -> Result<(), CliError> {
             Lifetimes::read_files(&files_of(tables, TableKind::Lifetimes)?, &options)?
         }
     };
-    let volumes = match &args.volumes[..] {
+    let mut volumes = match &args.volumes[..] {
         [] => jankele2021_volumes()?,
         tables => Volumes::of_files(
             &files_of(tables, TableKind::Volumes)?,
@@ -82,6 +87,9 @@ pub fn run(args: &ClockArgs, context: &Context) -> Result<(), CliError> {
         )?,
     };
     names.require_met()?;
+    warn_of_times(&lifetimes.embryos);
+    volumes.common_size = args.common_size;
+    warn_of_averages(&volumes);
     let files = listed_or(&args.volumes, "the published volumes");
     let found = fit_clock(&lineage, &lifetimes, &volumes, &files)?;
     let ron = found.as_ron(args.lineage.is_none().then_some("c_elegans"));

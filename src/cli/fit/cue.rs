@@ -69,6 +69,9 @@ fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
         let [from, to] = number.searched;
         let _ = writeln!(out, "{:<18} {:>9.4} {sd}  (searched {from}..{to})", number.name, number.value);
     }
+    if let Some(image) = &found.mirror_image {
+        let _ = writeln!(out, "the mirror image {image} fits equally well");
+    }
     out += &at_limit_text(&found.at_limit, "the terms of the cue may not suffice");
     let row = |r: &ChiResidual| {
         let [r0, chi] = [r.r0, r.computed].map(|v| or_dash(v.map(|v| format!("{v:.3}"))));

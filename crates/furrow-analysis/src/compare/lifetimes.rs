@@ -5,12 +5,10 @@
 
 use crate::compare::departure::{Departure, OverTime, departure, over_time};
 use furrow_lineage::{CellId, CellTimes, Tree};
-use furrow_measured::lifetimes::{
-    Agreement, Lifetime, Lifetimes, Sisters, Slopes, agreement, sisters, slopes, smaller,
-};
+use furrow_measured::lifetimes::{Agreement, Lifetime, Lifetimes, Sisters, Slopes, agreement, sisters, slopes};
 use furrow_measured::published::SOURCE;
 use furrow_measured::significance::Trend;
-use furrow_measured::statistics::{SPREAD_FROM, grouped, mean, sd};
+use furrow_measured::statistics::{SPREAD_FROM, grouped, mean, sd, smaller};
 use furrow_measured::volumes::Volumes;
 use serde::Serialize;
 use serde_json::{Value, json};

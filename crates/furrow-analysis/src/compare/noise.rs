@@ -8,7 +8,8 @@
 //!   about equal.
 //!
 //! The spread is 1.4826 times the median absolute deviation from the median, which outliers do not widen, in groups of equally many
-//! divisions. Growth and lasting differences between embryos widen it too, so that σ is an upper bound of the noise.
+//! divisions. Each draw has other σ, as uncertain as the spread of so few divisions: the estimate over the spread of as many standard
+//! normal numbers. Growth and lasting differences between embryos widen the spread too, which makes σ larger than the noise is.
 
 use furrow_measured::events::Division;
 use furrow_measured::statistics::{Line, mean, median};
@@ -91,7 +92,7 @@ pub struct NoiseNull {
     pub null_slope: Interval,
     /// Mean null slope over the measured one.
     pub share: f64,
-    /// Share of the draws with a trend at least as steep as the measured one, in its direction.
+    /// Share of the draws and the measurement with a trend at least as steep as the measured one, in its direction.
     pub p: f64,
     /// χ by bin.
     pub bins: Vec<NoiseBin>,
@@ -100,7 +101,7 @@ pub struct NoiseNull {
 /// A division as the null hypothesis has it: equal halves of a volume with relative errors.
 struct Equal {
     volume: f64,
-    error: f64,
+    group: usize,
 }
 
 /// The null hypothesis beside the divisions with measured mothers, in these bins; `None` with fewer than twenty, or without
@@ -111,15 +112,15 @@ pub(crate) fn noise_null(divisions: &[Division], bins: &[VolumeBin]) -> Option<N
     let points: Vec<[f64; 2]> = known.iter().map(|d| [d.mother_volume(), d.chi()]).collect();
     let measured = volume_line(&points).filter(|line| line.n >= FEWEST && line.slope != 0.0)?;
     let groups = noise_groups(&known);
-    let of_group = |group: &NoiseGroup| std::iter::repeat_n(group.relative_error, group.n);
-    let errors = groups.iter().flat_map(of_group);
+    let of = groups.iter().enumerate().flat_map(|(k, group)| std::iter::repeat_n(k, group.n));
     let equals: Vec<Equal> =
-        known.iter().zip(errors).map(|(d, error)| Equal { volume: d.mother_volume(), error }).collect();
+        known.iter().zip(of).map(|(d, group)| Equal { volume: d.mother_volume(), group }).collect();
     let seed = seed(&known);
     let mut random = Mt64::new(seed);
     let (mut slopes, mut means) = (Vec::with_capacity(DRAWS), vec![Vec::new(); bins.len()]);
     for _ in 0..DRAWS {
-        let drawn: Vec<[f64; 2]> = equals.iter().map(|equal| equal.draw(&mut random)).collect();
+        let errors: Vec<f64> = groups.iter().map(|group| group.draw_error(&mut random)).collect();
+        let drawn: Vec<[f64; 2]> = equals.iter().map(|equal| equal.draw(errors[equal.group], &mut random)).collect();
         slopes.push(volume_line(&drawn)?.slope);
         for (bin, means) in bins.iter().zip(&mut means) {
             let inside = |point: &&[f64; 2]| (bin.from..bin.to).contains(&point[0]);
@@ -143,17 +144,31 @@ pub(crate) fn noise_null(divisions: &[Division], bins: &[VolumeBin]) -> Option<N
         measured,
         share: null_slope.mean / measured.slope,
         null_slope,
-        p: as_steep as f64 / DRAWS as f64,
+        p: (as_steep + 1) as f64 / (DRAWS + 1) as f64,
         bins: bins.iter().zip(means).map(bin).collect(),
     })
 }
 
 impl Equal {
     /// Measured volume of the mother and χ.
-    fn draw(&self, random: &mut Mt64) -> [f64; 2] {
-        let [a, b] = [(); 2].map(|()| 0.5 * self.volume * (self.error * normal(random)).exp());
+    fn draw(&self, error: f64, random: &mut Mt64) -> [f64; 2] {
+        let [a, b] = [(); 2].map(|()| 0.5 * self.volume * (error * normal(random)).exp());
         [a + b, (a - b).abs() / (a + b)]
     }
+}
+
+impl NoiseGroup {
+    /// A relative error that may have given the estimated one.
+    fn draw_error(&self, random: &mut Mt64) -> f64 {
+        let normals: Vec<f64> = (0..self.n).map(|_| normal(random)).collect();
+        self.relative_error / spread(&normals)
+    }
+}
+
+/// 1.4826 times the median absolute deviation from the median.
+fn spread(values: &[f64]) -> f64 {
+    let middle = median(values);
+    NORMAL * median(&Vec::from_iter(values.iter().map(|value| (value - middle).abs())))
 }
 
 /// Noise by size, of divisions in the order of their volume.
@@ -166,13 +181,12 @@ fn noise_groups(known: &[&Division]) -> Vec<NoiseGroup> {
         let part = &known[start(k)..start(k + 1)];
         let ratio = |d: &&Division| d.mother_measured.map(|mother| (mother / d.mother_volume()).ln());
         let ratios: Vec<f64> = part.iter().filter_map(ratio).collect();
-        let middle = median(&ratios);
-        let spread = NORMAL * median(&Vec::from_iter(ratios.iter().map(|ratio| (ratio - middle).abs())));
+        let spread = spread(&ratios);
         NoiseGroup {
             from: part[0].mother_volume(),
             to: part[part.len() - 1].mother_volume(),
             n: part.len(),
-            median: middle,
+            median: median(&ratios),
             spread,
             relative_error: spread / 1.5_f64.sqrt(),
         }
@@ -230,12 +244,35 @@ mod tests {
         let error = |groups: &[NoiseGroup]| mean(&groups.iter().map(|group| group.relative_error).collect::<Vec<_>>());
         let (small, large) = (error(&equal.groups[..4]), error(&equal.groups[4..]));
         assert!((small - 0.2).abs() < 0.03 && (large - 0.05).abs() < 0.01, "{small} {large}");
-        // Of two errors σ the mean χ is σ/√π, for the σ that was estimated.
+        // Of two errors σ the mean χ is σ/√π; the estimate by the spread of 100 standard normal numbers has the mean 1.0221 (NumPy).
         let chi = equal.bins[0].null.unwrap();
-        assert!((chi.mean * std::f64::consts::PI.sqrt() / large - 1.0).abs() < 0.01 && chi.low < chi.mean);
+        assert!((chi.mean * std::f64::consts::PI.sqrt() / (1.0221 * large) - 1.0).abs() < 0.01 && chi.low < chi.mean);
         let unequal = null(&made([0.02, 0.02], [0.2, 0.05]));
-        assert!(unequal.share.abs() < 0.1 && unequal.p == 0.0, "{unequal:?}");
+        assert!(unequal.share.abs() < 0.1 && unequal.p == 1.0 / (DRAWS + 1) as f64, "{unequal:?}");
         assert_eq!(null(&made([0.2, 0.05], [0.0, 0.0])), equal);
+    }
+
+    /// Where noise is the same at all sizes, a trend of either direction is as steep as one draw in twenty in one table of ten. With the
+    /// estimated errors taken for known it would be in three.
+    #[test]
+    fn a_true_null_is_rejected_as_often_as_p_says() {
+        let mut random = Mt64::new(3);
+        let mut table = || {
+            let of = |k: usize| {
+                let volume = 10.0_f64.powf(2.0 + 3.0 * k as f64 / 40.0);
+                let [a, b, mother] = [0.5, 0.5, 1.0].map(|share| share * volume * (0.1 * normal(&mut random)).exp());
+                let chi_signed = (a - b) / (a + b);
+                Division {
+                    volumes: [a.max(b), a.min(b)],
+                    chi_signed,
+                    mother_measured: Some(mother),
+                    ..Division::default()
+                }
+            };
+            (0..40).map(of).collect::<Vec<_>>()
+        };
+        let rejected = (0..100).filter(|_| noise_null(&table(), &[]).unwrap().p < 0.05).count();
+        assert!((2..=19).contains(&rejected), "{rejected}");
     }
 
     #[test]

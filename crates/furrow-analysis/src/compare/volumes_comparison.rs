@@ -182,7 +182,7 @@ impl VolumesComparison {
             length_scale_um: length_scale.filter(|_| unit == Some(Unit::CubicMicrometres)).map(|scale| scale.length),
             members: (!constants.is_empty()).then_some(constants.len()),
             tests: adjacent_tests(&bins),
-            trend: volume_trend(measured.sized()),
+            trend: trend_of(measured),
             noise: noise_null(measured.sized(), &bins),
             model_by_bin: by_cue.next().map_or(Vec::new(), |(_, bins)| bins),
             model_by_bin_with_cues: by_cue.collect(),
@@ -191,6 +191,12 @@ impl VolumesComparison {
             bins,
         })
     }
+}
+
+/// χ over the mother's volume. Mothers of populations are numbered in each embryo.
+fn trend_of(measured: &MeasuredVolumes) -> VolumeTrend {
+    let trend = volume_trend(measured.sized());
+    VolumeTrend { repeats: if measured.volumes.of_populations { 0 } else { trend.repeats }, ..trend }
 }
 
 /// Each embryo beside the others, with one L_h in it.

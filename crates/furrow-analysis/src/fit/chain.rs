@@ -3,6 +3,7 @@
 //! Cells are founders of the lineage or descend from them. Only they and their ancestors are computed, not the whole tree; cells of a
 //! generation are divided in parallel.
 
+use furrow_cell::cue::{Profile, Quantity, Term};
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_lineage::batch::scheduler;
 use furrow_lineage::batch::{Memo, solve};
@@ -151,6 +152,30 @@ impl Model<'_> {
             }
         }
         cell.cue
+    }
+
+    /// The mirror image of the cue with these values, by bands at 1 − u0; `None` if it is the cue itself, has another kind of term, or
+    /// is out of the ranges.
+    pub fn mirror_image(&self, values: &[f64]) -> Option<String> {
+        let is_place = |kind| matches!(kind, ConstantKind::Parameter(Parameter::Cue { quantity: Quantity::U0, .. }));
+        let mirrored = |(unknown, value): (&Unknown, &f64)| match is_place(unknown.kind) {
+            true => unknown.share(1.0 - value).filter(|_| unknown.founders.is_none()).map(|_| 1.0 - value),
+            false => Some(*value),
+        };
+        let values: Vec<f64> = self.unknowns.iter().zip(values).map(mirrored).collect::<Option<_>>()?;
+        let places = |cue: &Cue| {
+            let of = |term: &Term| if let Profile::Band { u0, .. } = term.profile { Some(u0) } else { None };
+            cue.terms().iter().map(of).collect::<Option<Vec<f64>>>().filter(|_| cue.regulator().is_none())
+        };
+        let image = self.cue(&values);
+        let (image_places, own) = (places(&image)?, places(self.template)?);
+        // A place that is not searched has a mirror image in the middle alone.
+        let is_free = |term: usize| {
+            let kind = ConstantKind::Parameter(Parameter::Cue { term, quantity: Quantity::U0 });
+            self.unknowns.iter().any(|unknown| unknown.kind == kind)
+        };
+        let holds = own.iter().enumerate().all(|(term, u0)| is_free(term) || *u0 == 0.5);
+        (holds && image_places.iter().any(|u0| *u0 != 0.5)).then(|| image.to_string())
     }
 
     /// The values at a place of the unit cube.

@@ -99,6 +99,9 @@ pub struct FittedCue {
     pub out_of_sample: Vec<ChiResidual>,
     /// Numbers of the cue that lie at an end of the range in which they were searched.
     pub at_limit: Vec<NumberAtLimit>,
+    /// The mirror image of the cue, which gives the same \|χ\|; `None` if it is the cue itself, or out of the ranges.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mirror_image: Option<String>,
     /// Cues tried.
     pub tried: usize,
 }
@@ -302,7 +305,7 @@ fn complete(
     let Objective { model, measured, .. } = objective;
     let values = model.values(place);
     let sensitivities: Option<Vec<Vec<f64>>> = objective.sensitivities(place).into_iter().collect();
-    let goodness = Goodness::of(chi_squared, measured.len(), place.len());
+    let goodness = Goodness::of(chi_squared, measured.len(), acting(sensitivities.as_deref(), place.len()));
     let combinations = sensitivities.as_ref().map(|rows| held(rows, measured, goodness)).transpose()?;
     let numbers = numbers(objective, place, (sensitivities.as_deref(), combinations.as_deref()), goodness.error_scale);
     let residuals = objective.residuals(&values);
@@ -310,6 +313,7 @@ fn complete(
     let predicted = |out: &OutOfSample| self::residuals(model, &values, &out.volumes, &out.chi);
     Ok(FittedCue {
         cue: model.cue(&values).to_string(),
+        mirror_image: model.mirror_image(&values),
         jumps: jumps(objective, &numbers, &residuals)?,
         at_limit: at_limit(&numbers, place),
         numbers,
@@ -325,6 +329,11 @@ fn complete(
 /// Whether χ of any cell changes with a number, by the slopes of the cells.
 pub(crate) fn acts(rows: &[Vec<f64>], number: usize) -> bool {
     rows.iter().any(|row| row[number] != 0.0)
+}
+
+/// How many of some numbers change χ of a cell: only these take from the misfit. Without slopes all may.
+pub(crate) fn acting(slopes: Option<&[Vec<f64>]>, numbers: usize) -> usize {
+    slopes.map_or(numbers, |rows| (0..numbers).filter(|number| acts(rows, *number)).count())
 }
 
 /// The unknowns with their values and, from the slopes of the measured cells, the combinations that the measurements hold and the

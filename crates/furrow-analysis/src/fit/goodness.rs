@@ -46,11 +46,13 @@ impl Goodness {
         Goodness { chi_squared, degrees_of_freedom, p, error_scale }
     }
 
-    /// The goodness of constants fitted to thresholds, with the tolerances as errors.
+    /// The goodness of constants fitted to thresholds, with the tolerances as errors. With other weights the fit is not the one of the
+    /// least χ², which alone has a probability.
     fn of_thresholds(targets: &Targets, found: &Calibration) -> Goodness {
         let of = |(given, residual): (&Threshold, &ThresholdResidual)| (residual.relative / given.tolerance).powi(2);
         let chi_squared = targets.thresholds.iter().zip(&found.residuals).map(of).sum();
-        Goodness::of(chi_squared, found.residuals.len(), found.parameters.len())
+        let goodness = Goodness::of(chi_squared, found.residuals.len(), found.parameters.len());
+        if targets.is_weighted_by_tolerances() { goodness } else { Goodness { p: None, error_scale: None, ..goodness } }
     }
 }
 
@@ -103,5 +105,35 @@ impl Serialize for CalibrationStudy {
             "excluded": excluded,
         })
         .serialize(serializer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use furrow_input::parse_document;
+
+    /// Tolerances of 5 % and 0.2 %: the fit is the one of the least χ², as with weights in their proportion. Other weights have no p.
+    #[test]
+    fn thresholds_count_by_their_tolerances() {
+        let study = |weights: [&str; 2]| {
+            let [first, second] = weights;
+            let text = format!(
+                "Targets(unknowns: [(parameter: p0, start: 0.1)], thresholds: [
+                    (r0: 1.64, epsilon: 0.87, xi_s: 27.3, tolerance: 0.05{first}),
+                    (r0: 2.22, epsilon: 0.88, xi_s: 21.75, tolerance: 0.002{second})])"
+            );
+            let targets: Targets = parse_document(&text, "t.ron", "a file of targets", "Targets").unwrap();
+            let settings = Settings::load("gao2026", None, None, &["intervals=32".to_owned()]).unwrap();
+            CalibrationStudy::of(&targets, &settings).unwrap()
+        };
+        let [by_tolerance, given, equal] =
+            [["", ""], [", weight: 0.04", ", weight: 1"], [", weight: 1", ", weight: 1"]].map(study);
+        let [found, expected] = [&by_tolerance, &given].map(|study| study.found.parameters[0].1);
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+        assert!(by_tolerance.goodness.p.is_some() && equal.goodness.p.is_none());
+        assert!(by_tolerance.goodness.chi_squared < 0.02 * equal.goodness.chi_squared);
+        let squares: f64 = by_tolerance.found.residuals.iter().map(|residual| residual.relative.powi(2)).sum();
+        assert!((by_tolerance.found.rms - (0.5 * squares).sqrt()).abs() < 1e-15);
     }
 }

@@ -12,6 +12,7 @@ use furrow_mechanics::calibration::statements::{GivenCriticality, GivenDivision}
 use furrow_mechanics::division::DivisionInput;
 use serde::{Deserialize, Deserializer};
 use std::collections::BTreeMap;
+use std::num::NonZeroU32;
 use std::sync::atomic::AtomicBool;
 
 /// The built-in targets: the wild-type embryo of C. elegans.
@@ -31,14 +32,32 @@ pub struct Searched {
 
 /// A measured size asymmetry.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(from = "WrittenChi")]
 pub struct MeasuredChi {
     /// The founder that divides.
     pub cell: String,
     /// Mean of χ over embryos.
     pub mean: f64,
-    /// Its standard deviation over embryos.
+    /// The error of the mean: `sd` of the file by √`n`.
     pub sd: f64,
+}
+
+/// A measured size asymmetry as files have it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "MeasuredChi")]
+struct WrittenChi {
+    cell: String,
+    mean: f64,
+    /// The standard deviation over `n` embryos; without `n` the error of the mean.
+    sd: f64,
+    #[serde(default)]
+    n: Option<NonZeroU32>,
+}
+
+impl From<WrittenChi> for MeasuredChi {
+    fn from(WrittenChi { cell, mean, sd, n }: WrittenChi) -> MeasuredChi {
+        MeasuredChi { cell, mean, sd: sd / n.map_or(1.0, |n| f64::from(n.get()).sqrt()) }
+    }
 }
 
 /// Weights of the misfit.
@@ -284,6 +303,16 @@ mod tests {
         let text = EMBRYO.replacen("volumes: {", r#"volumes: {"P1": 0.2, "P1": 0.3, "#, 1);
         let error = parse_document::<Targets>(&text, "t.ron", "a file of targets", "Fit").unwrap_err().to_string();
         assert!(error.ends_with(r#"the volume of "P1" stands twice"#), "{error}");
+    }
+
+    /// The mean of n embryos has the error sd/√n.
+    #[test]
+    fn the_number_of_embryos_divides_the_variance() {
+        let text = r#"Fit(chi: [(cell: "P0", mean: 0.18, sd: 0.06, n: 9), (cell: "P1", mean: 0.17, sd: 0.06)])"#;
+        let targets = parse_document::<Targets>(text, "t.ron", "a file of targets", "Fit").unwrap();
+        assert_eq!([targets.chi[0].sd, targets.chi[1].sd], [0.02, 0.06]);
+        let none = parse_document::<Targets>(&text.replace("n: 9", "n: 0"), "t.ron", "a file of targets", "Fit");
+        assert!(none.is_err());
     }
 
     /// A zygote without a cue divides equally in embryos: one preset says so too, the other contradicts it.

@@ -64,7 +64,7 @@ pub(super) fn fit_test(
     }
     let spread = noise.sd?;
     let of = |cell: usize| {
-        let (measured, sd) = (observations.chi_of(cell), spread * noise.shapes[cell]);
+        let (measured, sd) = (observations.chi_of(cell), spread * noise.shape(cell));
         match chi[cell] {
             Some(chi) if noise.folded => folded::deviance(&measured, chi, sd),
             chi => measured.len() as f64 * (chi.map_or(UNDIVIDED, |chi| mean(&measured) - chi) / sd).powi(2),

@@ -114,8 +114,16 @@ impl Free {
         }
         for (k, free) in all.iter().enumerate() {
             if all[..k].iter().any(|other| other.kind == free.kind && other.is_of_the_cells_of(free)) {
-                let allowed = "each parameter once for a class of cells";
-                return Err(refused(source, texts[k].trim(), allowed.to_owned()));
+                let is_range =
+                    free.by_embryo || all[..k].iter().any(|other| other.by_embryo && other.kind == free.kind);
+                let allowed = match is_range {
+                    true => format!(
+                        "each parameter once: {0}@{EMBRYO} has the common value too, in the range of {0}@{EMBRYO}=FROM..TO",
+                        free.kind
+                    ),
+                    false => "each parameter once for a class of cells".to_owned(),
+                };
+                return Err(refused(source, texts[k].trim(), allowed));
             }
             if (0..lineage.founders.len()).all(|founder| !free.is_of(founder) || free.except(&all).contains(&founder)) {
                 let allowed = "a class with cells that have no number of their own";

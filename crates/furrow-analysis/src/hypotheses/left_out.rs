@@ -7,7 +7,7 @@ use super::Question;
 use super::noise::{Noise, NoiseKind};
 use super::observations::{Observation, Observations};
 use super::others::{self, Others, OthersScore};
-use super::scores::{Fitted, beside_all, folded_deviance, means};
+use super::scores::{Fitted, beside_all, means, own_deviance};
 use crate::fit::FitError;
 use crate::fit::chain::Model;
 use crate::fit::germline::{Beside, Objective};
@@ -46,11 +46,10 @@ pub(super) fn held_out(
 
 impl Fitted<'_> {
     /// Whether the other data, the rows `kept`, determine the fit and its errors well enough to predict a unit.
-    fn is_determined(&self, unit: usize, kept: &[Observation], noise: &Noise) -> bool {
+    fn is_determined(&self, unit: usize, (kept, noise): (&[Observation], &Noise), numbers: usize) -> bool {
         let Observations { rows, others, cells, .. } = self.question.observations;
         let has = |cell: usize| kept.iter().any(|row| row.cell == cell);
         let beside: usize = others.iter().map(Others::len).sum();
-        let numbers = self.place.len();
         let has_errors = match noise.kind {
             NoiseKind::Given => true,
             // As many numbers as data leave no residuals.
@@ -73,14 +72,14 @@ impl Fitted<'_> {
         let Question { observations, noise, .. } = *self.question;
         let kept = without(&observations.rows, unit);
         let own = noise.of_part(&kept);
-        if !self.is_determined(unit, &kept, &own) {
+        if !self.is_determined(unit, (&kept, &own), self.counted(chi)) {
             return Ok(None);
         }
         let predicted = if self.place.is_empty() {
             chi.to_vec()
         } else {
             let measured = means(&kept, &own.sds(&kept), &observations.cells);
-            let deviance = folded_deviance(&kept, &observations.cells, &own);
+            let deviance = own_deviance(observations, &kept, &own);
             let objective = beside_all(model, &measured, beside).by(deviance.as_ref().map(|of| of as _));
             let place = self.refitted(&objective, &kept, &own);
             objective.check_cancelled()?;

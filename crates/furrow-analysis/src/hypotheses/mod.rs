@@ -47,6 +47,8 @@ mod scores;
 #[cfg(test)]
 mod tests;
 mod text;
+#[cfg(test)]
+mod weighting;
 
 pub use fit_test::FitTest;
 pub use free::{Hypothesis, Named};
@@ -164,6 +166,10 @@ pub struct HypothesisTest {
     pub hypotheses: Vec<TestedHypothesis>,
     /// Each pair of them.
     pub pairs: Vec<Pair>,
+    /// Cells with a mean \|χ\| within two errors of 0, in the table and in a hypothesis, where errors are not folded. Errors make them look
+    /// slightly unequal, which counts for a cue that does so.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub near_zero: Vec<String>,
     /// Measured divisions that cannot be used.
     pub unused: Vec<Unused>,
     /// The first values of the table that could not be read.
@@ -205,7 +211,12 @@ pub fn test(run: &FitRun<'_>, question: &Question<'_>) -> Result<HypothesisTest,
     })?;
     tested.sort_by_cached_key(|(k, _)| *k);
     let tested = scores::weighed(tested.into_iter().map(|(_, tested)| tested).collect());
+    let of = |(k, cell): (usize, &String)| {
+        let is_near = !noise.folded && tested.iter().any(|hypothesis| hypothesis.cells[k].is_near_zero);
+        is_near.then(|| cell.clone())
+    };
     Ok(HypothesisTest {
+        near_zero: observations.cells.iter().enumerate().filter_map(of).collect(),
         n: observations.rows.len(),
         left_out: observations.left_out,
         units: observations.units.clone(),

@@ -53,9 +53,10 @@ pub struct Noise {
     /// Whether \|χ\| has a folded normal distribution (F.19) in place of a normal one.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub folded: bool,
-    /// For each cell (V/V₀)^−b.
+    /// For each cell ln(V/V₀) over all embryos; 0 where volumes are not known. A part of the rows has the same, so that a cell that
+    /// only other rows have keeps her size.
     #[serde(skip)]
-    pub(crate) shapes: Vec<f64>,
+    pub(super) sizes: Vec<f64>,
 }
 
 /// Standard deviation that scales the misfit of the search where errors are common.
@@ -87,7 +88,7 @@ impl Noise {
             let allowed = "given in every row that is used, or left out with another kind of noise";
             return Err(InputError::not_allowed(source, "chi_sd", format!("{given} of {} rows", rows.len()), allowed));
         }
-        let noise = Noise::estimated(rows, observations.cells.len(), (kind, folded));
+        let noise = Noise::estimated(rows, sizes(kind, rows, observations.cells.len()), (kind, folded));
         if kind == NoiseKind::Replicates && noise.sd.is_none() {
             let why =
                 if noise.degrees_of_freedom == 0 { "was measured in two embryos" } else { "differs between embryos" };
@@ -97,49 +98,50 @@ impl Noise {
         Ok(noise)
     }
 
-    fn estimated(rows: &[Observation], cells: usize, (kind, folded): (NoiseKind, bool)) -> Noise {
+    fn estimated(rows: &[Observation], sizes: Vec<f64>, (kind, folded): (NoiseKind, bool)) -> Noise {
         let of_cell = |cell: usize| rows.iter().filter(move |row| row.cell == cell);
         let of = |cell: usize| {
             let chi: Vec<f64> = of_cell(cell).map(|row| row.chi).collect();
             (chi.len().saturating_sub(1), squares_about_mean(&chi))
         };
-        let within: Vec<(usize, f64)> = (0..cells).map(of).collect();
+        let within: Vec<(usize, f64)> = (0..sizes.len()).map(of).collect();
         let degrees_of_freedom = within.iter().map(|(freedom, _)| freedom).sum();
-        let none = Noise { kind, sd: None, exponent: 0.0, degrees_of_freedom, folded, shapes: vec![1.0; cells] };
+        let none = |sizes| Noise { kind, sd: None, exponent: 0.0, degrees_of_freedom, folded, sizes };
         // Replicates that are all equal say nothing of errors.
         if kind == NoiseKind::Given || within.iter().all(|(_, squares)| *squares == 0.0) {
-            return none;
+            return none(sizes);
         }
-        let has_volumes = kind == NoiseKind::Replicates && rows.iter().all(|row| row.volume.is_some());
-        let logarithm = |cell: usize| {
-            let volumes: Vec<f64> = of_cell(cell).filter_map(|row| row.volume).collect();
-            if volumes.is_empty() { 0.0 } else { mean(&volumes).ln() }
-        };
-        let logarithms: Vec<f64> = (0..cells).map(|cell| if has_volumes { logarithm(cell) } else { 0.0 }).collect();
-        let middle = mean(&logarithms);
-        let sizes: Vec<f64> = logarithms.iter().map(|logarithm| logarithm - middle).collect();
         let variance = |exponent: f64| {
             let of = |((_, squares), size): (&(usize, f64), &f64)| squares * (2.0 * exponent * size).exp();
             within.iter().zip(&sizes).map(of).sum::<f64>() / degrees_of_freedom as f64
         };
         let weighted: f64 = within.iter().zip(&sizes).map(|((freedom, _), size)| *freedom as f64 * size).sum();
         let likelihood = |b: f64| b * weighted - 0.5 * degrees_of_freedom as f64 * variance(b).ln();
-        let exponent = if has_volumes { highest(likelihood, [0.0, STEEPEST], STEPS) } else { 0.0 };
+        // Replicates of one size do not determine how errors grow.
+        let replicated: Vec<f64> =
+            within.iter().zip(&sizes).filter(|((freedom, _), _)| *freedom > 0).map(|(_, size)| *size).collect();
+        let steepest = if squares_about_mean(&replicated) > 0.0 { STEEPEST } else { 0.0 };
+        let exponent = if steepest > 0.0 { highest(likelihood, [0.0, steepest], STEPS) } else { 0.0 };
         let sd = variance(exponent).sqrt().max(LEAST);
         let [sd, exponent] = if folded {
             let values = |cell: usize| of_cell(cell).map(|row| row.chi).collect();
             let cells: Vec<(Vec<f64>, f64)> =
                 sizes.iter().enumerate().map(|(cell, size)| (values(cell), *size)).collect();
-            folded::estimated(&cells, if has_volumes { STEEPEST } else { 0.0 }, sd)
+            folded::estimated(&cells, steepest, sd)
         } else {
             [sd, exponent]
         };
-        Noise { sd: Some(sd), exponent, shapes: sizes.iter().map(|size| (-exponent * size).exp()).collect(), ..none }
+        Noise { sd: Some(sd), exponent, ..none(sizes) }
+    }
+
+    /// (V/V₀)^−b of a cell.
+    pub(crate) fn shape(&self, cell: usize) -> f64 {
+        (-self.exponent * self.sizes[cell]).exp()
     }
 
     /// The errors of some of the rows, of the same kind.
     pub(crate) fn of_part(&self, rows: &[Observation]) -> Noise {
-        Noise::estimated(rows, self.shapes.len(), (self.kind, self.folded))
+        Noise::estimated(rows, self.sizes.clone(), (self.kind, self.folded))
     }
 
     /// The standard deviation of each row; of a common one those that scale the search.
@@ -147,7 +149,7 @@ impl Noise {
         let of = |row: &Observation| match self.kind {
             NoiseKind::Given => row.sd.unwrap_or(SCALE),
             NoiseKind::Common => SCALE,
-            NoiseKind::Replicates => self.sd.unwrap_or(SCALE) * self.shapes[row.cell],
+            NoiseKind::Replicates => self.sd.unwrap_or(SCALE) * self.shape(row.cell),
         };
         rows.iter().map(of).collect()
     }
@@ -190,6 +192,20 @@ impl Noise {
     }
 }
 
+/// ln(V/V₀) of each cell; 0 where a row has no volume, and where errors do not depend on size.
+fn sizes(kind: NoiseKind, rows: &[Observation], cells: usize) -> Vec<f64> {
+    if kind != NoiseKind::Replicates || rows.iter().any(|row| row.volume.is_none()) {
+        return vec![0.0; cells];
+    }
+    let logarithm = |cell: usize| {
+        let volumes: Vec<f64> = rows.iter().filter(|row| row.cell == cell).filter_map(|row| row.volume).collect();
+        mean(&volumes).ln()
+    };
+    let logarithms: Vec<f64> = (0..cells).map(logarithm).collect();
+    let middle = mean(&logarithms);
+    logarithms.into_iter().map(|logarithm| logarithm - middle).collect()
+}
+
 /// Residuals of rows by χ of the cells.
 pub(super) fn residuals(rows: &[Observation], chi: &[Option<f64>]) -> Vec<f64> {
     rows.iter().map(|row| residual(row, chi[row.cell])).collect()
@@ -216,17 +232,18 @@ pub fn log_density(residual: f64, sd: f64) -> f64 {
     -0.5 * ((residual / sd).powi(2) + (TAU * sd * sd).ln())
 }
 
-/// Akaike's criterion for small samples; `None` for n ≤ k + 1.
+/// Akaike's criterion for small samples; `None` for n ≤ k + 1, unless nothing was fitted: −2 ln L then has no bias.
 ///
 /// # Examples
 /// ```
 /// use furrow_analysis::hypotheses::noise::aicc;
 /// assert_eq!(aicc(-3.0, 2, 10), Some(2.0 * 2.0 + 6.0 + 12.0 / 7.0));
-/// assert_eq!(aicc(-3.0, 2, 3), None);
+/// assert_eq!((aicc(-3.0, 2, 3), aicc(-3.0, 0, 1)), (None, Some(6.0)));
 /// ```
 pub fn aicc(log_likelihood: f64, numbers: usize, data: usize) -> Option<f64> {
     let (k, left) = (numbers as f64, data as f64 - numbers as f64 - 1.0);
-    (left > 0.0).then(|| 2.0 * k - 2.0 * log_likelihood + 2.0 * k * (k + 1.0) / left)
+    let correction = if numbers == 0 { Some(0.0) } else { (left > 0.0).then(|| 2.0 * k * (k + 1.0) / left) };
+    correction.map(|correction| 2.0 * k - 2.0 * log_likelihood + correction)
 }
 
 /// Where a function with one maximum in an interval is largest, after `steps` golden sections.

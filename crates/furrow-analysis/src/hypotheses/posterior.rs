@@ -236,19 +236,24 @@ fn ridges(names: &[String], points: &[Vec<f64>]) -> Vec<Ridge> {
 fn predicted(question: &Question<'_>, particles: &[Particle<Computed>], cell: usize) -> PredictedCell {
     let Question { observations, noise, .. } = question;
     let rows = &observations.rows;
-    let measured = observations.chi_of(cell);
-    let middle = mean(&measured);
     let chi: Vec<f64> = particles.iter().filter_map(|particle| particle.computed.chi[cell]).collect();
-    // The probability of a smaller mean under each point.
+    // The probability of a smaller mean under each point, with divisions weighted by their errors.
     let below = |particle: &Particle<Computed>| {
         let sds = noise.fitted(rows, rows, &particle.computed.chi);
-        let own = || rows.iter().zip(&sds).filter(|(row, _)| row.cell == cell).map(|(_, sd)| *sd);
-        let predicted = |sd: f64, chi: f64| if noise.folded { folded::moments(chi, sd) } else { [chi, sd] };
-        let variance = |chi: f64| own().map(|sd| predicted(sd, chi)[1].powi(2)).sum::<f64>();
-        let expected = |chi: f64| mean(&own().map(|sd| predicted(sd, chi)[0]).collect::<Vec<_>>());
         let chi = particle.computed.chi[cell];
-        let error = chi.map_or_else(|| own().map(|sd| sd * sd).sum(), variance).sqrt() / measured.len() as f64;
-        normal_tail(chi.map_or(UNDIVIDED, |chi| middle - expected(chi)) / error)
+        let off = |row: &Observation, sd: f64| match chi {
+            Some(chi) if noise.folded => {
+                let [expected, sd] = folded::moments(chi, sd);
+                [row.chi - expected, sd]
+            }
+            chi => [chi.map_or(UNDIVIDED, |chi| row.chi - chi), sd],
+        };
+        let own = rows.iter().zip(&sds).filter(|(row, _)| row.cell == cell);
+        let [sum, variance] = own.fold([0.0; 2], |[sum, variance], (row, sd)| {
+            let [off, error] = off(row, *sd);
+            [sum + off / (sd * sd), variance + (error / (sd * sd)).powi(2)]
+        });
+        normal_tail(sum / variance.sqrt())
     };
     let above = mean(&particles.iter().map(below).collect::<Vec<f64>>());
     PredictedCell {

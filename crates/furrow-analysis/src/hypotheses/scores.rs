@@ -15,11 +15,13 @@ use super::others::{self, Others, OthersScore};
 use super::posterior::{Posterior, posterior};
 use super::{AtLimit, Hypothesis, Question};
 use crate::fit::chain::{Kin, Model};
-use crate::fit::germline::{Beside, CueNumber, Objective, acts, at_limit, held, numbers};
+use crate::fit::germline::{Beside, CueNumber, Objective, acting, at_limit, held, numbers};
 use crate::fit::search::{FitRun, SearchBudget};
 use crate::fit::targets::MeasuredChi;
 use crate::fit::{ChiResidual, FitError, Goodness};
 
+/// Means within this number of errors of 0 may have lost their sign.
+const NEAR: f64 = 2.0;
 /// 97.5 % of a standard normal number lie below.
 const NORMAL: f64 = 1.959_963_984_540_054;
 
@@ -46,12 +48,15 @@ pub struct CellScore {
     pub cell: String,
     /// Measured divisions.
     pub n: usize,
-    /// Their mean |χ|.
+    /// Their mean |χ|, weighted by the errors that the table gives.
     pub measured: f64,
     /// Their standard deviation; `None` for one.
     pub sd: Option<f64>,
-    /// 95 % interval of the mean: by the spread of the divisions or, of one, by its given error.
+    /// 95 % interval of the mean: by the errors that the table gives, or else by the spread of the divisions or, of one, by its error.
     pub interval: Option<[f64; 2]>,
+    /// Whether both the mean and χ of the model lie within two errors of 0, where an error changes signs that \|χ\| has lost.
+    #[serde(skip)]
+    pub(super) is_near_zero: bool,
     /// R0 in the model; `None` if the cell is never born.
     pub r0: Option<f64>,
     /// χ of the model; `None` if the cell does not divide.
@@ -71,7 +76,7 @@ pub struct TestedHypothesis {
     pub cue: String,
     /// The largest log likelihood.
     pub log_likelihood: f64,
-    /// Fitted numbers, a common standard deviation among them.
+    /// Fitted numbers, a common standard deviation among them and numbers without effect left out.
     pub k: usize,
     /// AICc; `None` for too few divisions.
     pub aicc: Option<f64>,
@@ -94,6 +99,9 @@ pub struct TestedHypothesis {
     pub parameters: Vec<FittedNumber>,
     /// Numbers at an end of their ranges.
     pub at_limit: AtLimit,
+    /// The mirror image of the cue, which gives the same \|χ\|; `None` if it is the cue itself, or out of the ranges.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mirror_image: Option<String>,
     /// The cells, in the order of the lineage.
     pub cells: Vec<CellScore>,
     /// Measured cells that do not divide in the model.
@@ -173,7 +181,7 @@ pub(super) fn tested(
     let of_all: Vec<&Others> = observations.others.iter().collect();
     let beside = |model: &Model<'_>, values: &[f64]| others::summed(&of_all, model, values, Others::misfit);
     let beside: Option<Beside<'_>> = (!of_all.is_empty()).then_some(&beside);
-    let deviance = folded_deviance(rows, cells, noise);
+    let deviance = own_deviance(observations, rows, noise);
     let alone =
         || Objective::new(model(), &measured, |sd| UNDIVIDED / sd, effort).by(deviance.as_ref().map(|of| of as _));
     let (of_chi, objective) = (alone(), alone().with(beside));
@@ -203,10 +211,10 @@ pub(super) fn tested(
     let data = observations.others.iter().fold(rows.len(), |count, others| count + others.len());
     let log_likelihood = densities.iter().sum::<f64>() + beside_chi;
     let is_common = noise.kind == NoiseKind::Common;
-    let k = place.len() + usize::from(is_common);
+    let k = fit.counted(&chi) + usize::from(is_common);
     let numbers = fit.numbers(&chi, &sds)?;
     let at_limit = at_limit(&numbers, &place);
-    let cells = fit.cells(&densities);
+    let cells = fit.cells(&densities, &fitted);
     let tested = TestedHypothesis {
         name: hypothesis.name.clone(),
         cue: objective.model.cue(&values).to_string(),
@@ -221,9 +229,10 @@ pub(super) fn tested(
             .evidence(log_likelihood)
             .filter(|_| at_limit.is_empty() && !is_common && !noise.folded && others.is_empty()),
         sigma: is_common.then(|| fitted[0]),
-        fit: fit_test(observations, noise, &chi, place.len()),
+        fit: fit_test(observations, noise, &chi, fit.acting(&chi)),
         parameters: numbers.into_iter().map(FittedNumber::from).collect(),
         at_limit,
+        mirror_image: objective.model.mirror_image(&values),
         resting: cells.iter().filter(|cell| cell.chi.is_none()).map(|cell| cell.cell.clone()).collect(),
         cells,
         others,
@@ -275,16 +284,23 @@ impl Fitted<'_> {
         slopes.iter().zip(&self.objective.model.unknowns).map(|(slope, unknown)| slope * unknown.length())
     }
 
+    /// How many numbers change the measured χ. All may if a cell does not divide, since it has no χ to tell.
+    pub(super) fn acting(&self, chi: &[Option<f64>]) -> usize {
+        acting(self.slopes.filter(|_| chi.iter().all(Option::is_some)), self.place.len())
+    }
+
+    /// How many numbers are fitted. Rounds and lifetimes may depend on a number that χ does not depend on.
+    pub(super) fn counted(&self, chi: &[Option<f64>]) -> usize {
+        if self.question.observations.others.is_empty() { self.acting(chi) } else { self.place.len() }
+    }
+
     /// The fitted numbers with their standard errors, which cells that do not divide leave as they are.
     fn numbers(&self, chi: &[Option<f64>], sds: &[f64]) -> Result<Vec<CueNumber>, FitError> {
         let Question { noise, observations, .. } = self.question;
         let off = |(row, sd): (&Observation, &f64)| Some(squared(noise, row, chi[row.cell]?, *sd));
         let squares: Vec<f64> = observations.rows.iter().zip(sds).filter_map(off).collect();
         let chi_squared: f64 = squares.iter().sum();
-        // A number without effect takes nothing from the misfit.
-        let acting = |rows: &[Vec<f64>]| (0..self.place.len()).filter(|k| acts(rows, *k)).count();
-        let fitted = self.slopes.map_or(self.place.len(), acting);
-        let mut goodness = Goodness::of(chi_squared, squares.len(), fitted);
+        let mut goodness = Goodness::of(chi_squared, squares.len(), acting(self.slopes, self.place.len()));
         if noise.kind == NoiseKind::Common {
             // The scale of the search is no measured error: the fitted error alone gives it, whether it is smaller or larger.
             let dividing: Vec<Observation> =
@@ -334,21 +350,29 @@ impl Fitted<'_> {
         is_held.then(|| log_likelihood + values.iter().map(|value| 0.5 * TAU.ln() - value.ln()).sum::<f64>())
     }
 
-    /// Each cell in the embryos and in the model.
-    fn cells(&self, densities: &[f64]) -> Vec<CellScore> {
-        let observations = self.question.observations;
+    /// Each cell in the embryos and in the model, by the log densities of the rows and their errors.
+    fn cells(&self, densities: &[f64], fitted: &[f64]) -> Vec<CellScore> {
+        let Question { observations, noise, .. } = self.question;
         let found = self.objective.residuals(&self.objective.model.values(self.place));
         let of = |(cell, found): (usize, ChiResidual)| {
             let chi = observations.chi_of(cell);
             let own = || observations.rows.iter().zip(densities).filter(move |(row, _)| row.cell == cell);
             let given = own().find_map(|(row, _)| row.sd.filter(|_| chi.len() == 1));
-            let one = given.map(|sd| [chi[0] - NORMAL * sd, chi[0] + NORMAL * sd]);
+            let is_given = noise.kind == NoiseKind::Given;
+            let measured = if is_given { found.measured } else { mean(&chi) };
+            let about = |sd: f64| [measured - NORMAL * sd, measured + NORMAL * sd];
+            let by_spread = mean_interval(&chi).filter(|_| !is_given);
+            // The fitted error of a poor fit is large, that of replicates is not.
+            let error = observations.rows.iter().zip(fitted).find(|(row, _)| row.cell == cell).map(|(_, sd)| *sd);
+            let error = noise.sd.filter(|_| noise.kind == NoiseKind::Common).or(error);
+            let is_small = |chi: f64| error.is_some_and(|error| chi.abs() < NEAR * error);
             CellScore {
                 cell: found.cell,
                 n: chi.len(),
-                measured: mean(&chi),
+                measured,
                 sd: sd(&chi),
-                interval: mean_interval(&chi).or(one),
+                interval: by_spread.or(given.or(Some(found.sd).filter(|_| is_given)).map(about)),
+                is_near_zero: is_small(measured) && found.computed.is_some_and(is_small),
                 r0: found.r0,
                 chi: found.computed,
                 has_cue: found.has_cue,
@@ -359,18 +383,20 @@ impl Fitted<'_> {
     }
 }
 
-/// −2 ln L of rows by χ of the measured cells; `None` under normal errors, where the means of the cells are enough for a fit.
-pub(super) fn folded_deviance<'a>(
+/// −2 ln L of rows by χ of the measured cells; `None` where the means of the cells are enough for a fit: under normal errors that are
+/// known, or that all data share. Beside rounds or lifetimes the size of a fitted error decides how much χ counts.
+pub(super) fn own_deviance<'a>(
+    observations: &'a Observations,
     rows: &'a [Observation],
-    cells: &'a [String],
     noise: &'a Noise,
 ) -> Option<impl Fn(&[ChiResidual]) -> f64 + Sync + 'a> {
+    let is_needed = noise.folded || noise.kind == NoiseKind::Common && !observations.others.is_empty();
     let deviance = move |found: &[ChiResidual]| {
         let of = |cell: &String| found.iter().find(|found| found.cell == *cell)?.computed;
-        let chi: Vec<Option<f64>> = cells.iter().map(of).collect();
+        let chi: Vec<Option<f64>> = observations.cells.iter().map(of).collect();
         -2.0 * noise.log_likelihood(rows, &chi, &noise.fitted(rows, rows, &chi))
     };
-    noise.folded.then_some(deviance)
+    is_needed.then_some(deviance)
 }
 
 /// The hypotheses with differences of AICc and Akaike's weights, which are shares among all and need the AICc of each.

@@ -22,7 +22,7 @@ use crate::fit::{Targets, fit_cue};
 use crate::tempering::Sampling;
 
 /// A table as text, read with the worm's names.
-fn table(text: &str) -> Observations {
+pub(super) fn table(text: &str) -> Observations {
     chosen(text, Chosen::default()).unwrap()
 }
 
@@ -62,11 +62,11 @@ fn log_likelihood(residuals: &[f64], sds: &[f64]) -> f64 {
     residuals.iter().zip(sds).map(|(residual, sd)| log_density(*residual, *sd)).sum()
 }
 
-fn noise_of(observations: &Observations, kind: NoiseKind) -> Noise {
+pub(super) fn noise_of(observations: &Observations, kind: NoiseKind) -> Noise {
     Noise::of(observations, Some(kind), false, ("t.csv", "--noise")).unwrap()
 }
 
-fn left_out(observations: &Observations, noise: &Noise, unit: usize, chi: &[Option<f64>]) -> f64 {
+pub(super) fn left_out(observations: &Observations, noise: &Noise, unit: usize, chi: &[Option<f64>]) -> f64 {
     let kept = without(&observations.rows, unit);
     held_out(observations, (&kept, &noise.of_part(&kept)), unit, chi)
 }
@@ -436,7 +436,7 @@ fn rounds_and_lifetimes_count_beside_chi() {
 }
 
 /// Tests hypotheses on the worm's lineage with coarse divisions.
-fn tested(
+pub(super) fn tested(
     observations: &Observations,
     kind: Option<NoiseKind>,
     cues: &[&str],

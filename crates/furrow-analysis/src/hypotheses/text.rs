@@ -172,7 +172,9 @@ impl Display for FitTest {
 impl Display for TestedHypothesis {
     /// The fitted numbers, and the cells that rest.
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let TestedHypothesis { name, cue, sigma, parameters, at_limit, resting, cells, posterior, .. } = self;
+        let TestedHypothesis {
+            name, cue, sigma, parameters, at_limit, resting, cells, posterior, mirror_image, ..
+        } = self;
         let what = if name == cue { String::new() } else { format!(": {cue}") };
         writeln!(f, "{name}{what}")?;
         for number in parameters {
@@ -192,6 +194,9 @@ impl Display for TestedHypothesis {
             [] if cue != NOTHING => writeln!(f, "  no measured cell has the cue")?,
             [] => {}
             _ => writeln!(f, "  cue in {}", carrying.join(", "))?,
+        }
+        if let Some(image) = mirror_image {
+            writeln!(f, "  its mirror image {image} fits equally well")?;
         }
         for number in at_limit {
             let [from, to] = number.searched;

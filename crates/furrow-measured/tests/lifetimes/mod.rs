@@ -3,11 +3,13 @@
 use std::collections::BTreeMap;
 
 use furrow_measured::lifetimes::{
-    LifetimeOptions, Lifetimes, Sisters, agreement, cells_over_time, mean_volumes, sisters, slopes, smaller,
+    LifetimeOptions, Lifetimes, Sisters, agreement, cells_over_time, distortion, mean_volumes, sisters, slopes,
 };
 use furrow_measured::published::{jankele2021_lifetimes, jankele2021_volumes};
 use furrow_measured::significance::{Sample, Trend, sign_test, welch};
+use furrow_measured::statistics::smaller;
 use furrow_measured::tracked::{TableKind, embryo_files};
+use furrow_measured::volumes::{ReadOptions, Volumes};
 use serde_json::Value;
 
 use super::close;
@@ -72,6 +74,30 @@ fn orders_of_sisters_agree_with_scipy() {
     assert_eq!(sign_test(0, 0), 1.0);
     let one = Sample { n: 1, mean: 1.0, sd: 0.0 };
     assert_eq!(welch(one, one), None);
+}
+
+/// Embryos of different pace: `scipy.stats.ttest_rel` of the logarithms; Welch's test of the minutes has p = 0.62.
+#[test]
+fn sisters_are_paired_over_embryos() {
+    let text = "embryo,cell,lifetime_min\na,AB,20\na,P1,22\nb,AB,25\nb,P1,28\nc,AB,16\nc,P1,17.5\nd,AB,30\n";
+    let [pair] = &sisters(&read(text))[..] else { panic!("one pair") };
+    assert_eq!((pair.first, pair.embryos), (Some(0), 3));
+    assert!((pair.p.unwrap() - 0.005129289498525053).abs() < 1e-12, "{pair:?}");
+}
+
+/// A large embryo that was followed in its small cells alone does not make these larger than they are.
+#[test]
+fn volumes_are_averaged_in_a_common_size() {
+    let text = "embryo,cell,volume_um3\na,P0,1000\na,AB,600\na,ABa,300\nb,P0,8000\nb,ABa,2400\nb,ABal,1200\n";
+    let mut volumes = Volumes::default();
+    volumes.read(text.as_bytes(), "t.csv", &ReadOptions::default()).unwrap();
+    // AB of the small embryo alone should be √8 times as large, ABal of the large one alone smaller by this factor.
+    assert!((distortion(&volumes) - 8.0).abs() < 1e-9);
+    volumes.common_size = true;
+    let found = mean_volumes(&volumes);
+    for (cell, share) in [("AB", 0.6), ("ABa", 0.3), ("ABal", 0.15)] {
+        assert!((found[cell] / found["P0"] - share).abs() < 1e-9, "{found:?}");
+    }
 }
 
 #[test]
