@@ -74,8 +74,9 @@ const MOVED: f64 = 50.0;
 /// Rate at which the mesh follows the target mesh, for a change of 1. If the mesh moved by a fixed fraction in every step, shorter steps
 /// would not be smoother.
 const FOLLOWING: f64 = 1.2;
-/// Relaxation times of the mesh, relative to R0² and at viscosity 1, for a neck on the axis and for an off-axis neck. Without drag the rings of a deep
-/// one-sided furrow may have no equilibrium close to the previous one; with too much drag rings lag behind a closing neck.
+/// Relaxation times of the mesh, relative to R0² and at viscosity 1, for a neck on the axis and for an off-axis neck. Without drag the
+/// rings of a deep one-sided furrow may have no equilibrium close to the previous one; with too much drag rings lag behind a closing
+/// neck.
 const DRAG: [f64; 2] = [0.005, 0.05];
 /// A surface slower than this, relative to R0 and in 1/τ at viscosity 1, may take longer steps, limited by its fastest disturbance.
 const CREEPING: f64 = 5e-3;
@@ -129,7 +130,7 @@ pub(crate) fn run(
     let first = &stepper.history[0].state.surface;
     stepper.problem.noise = noise::factors(&stepper.problem, first, numerics, *seed, symmetric);
     observe(&stepper.problem, &stepper.history[0]);
-    let viscosity = cell.material.eta_b;
+    let viscosity = stepper.problem.viscosity();
     let mut run = Run {
         r0: cell.r0,
         viscosity,
@@ -264,7 +265,7 @@ fn steps_left(before: f64, now: f64, target: f64) -> f64 {
 /// A division in progress.
 struct Run<'a> {
     r0: f64,
-    /// Bulk viscosity η_b, by which times scale.
+    /// The larger of the viscosities, by which times scale.
     viscosity: f64,
     epsilon: f64,
     /// The message for a cell that continues to move.

@@ -90,10 +90,10 @@ impl Problem {
         self.mesh.follow(&self.space, surface, length, self.viscosity());
     }
 
-    /// The bulk viscosity η_b, by which times scale.
+    /// The larger of the viscosities η_b and η_s, by which times scale.
     pub fn viscosity(&self) -> f64 {
         let uniform = &self.constants.uniform;
-        0.5 * (uniform.eta_sum + uniform.eta_difference)
+        0.5 * (uniform.eta_sum + uniform.eta_difference.abs())
     }
 
     /// The volume inside a surface, in L_h³.
