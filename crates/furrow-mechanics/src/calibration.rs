@@ -197,7 +197,7 @@ impl Targets {
         self.thresholds.iter().map(of).collect()
     }
 
-    /// Whether the weights are those of the least χ².
+    /// Whether all weights are in inverse proportion to the tolerances.
     pub fn is_weighted_by_tolerances(&self) -> bool {
         let shares = self.weights().into_iter().zip(&self.thresholds).map(|(weight, t)| weight * t.tolerance);
         let [least, most] = shares.fold([f64::INFINITY, 0.0], |[a, b]: [f64; 2], x| [a.min(x), b.max(x)]);

@@ -362,7 +362,7 @@ impl Fitted<'_> {
             let measured = if is_given { found.measured } else { mean(&chi) };
             let about = |sd: f64| [measured - NORMAL * sd, measured + NORMAL * sd];
             let by_spread = mean_interval(&chi).filter(|_| !is_given);
-            // The fitted error of a poor fit is large, that of replicates is not.
+            // A poor fit increases the fitted error, but not the error of replicates.
             let error = observations.rows.iter().zip(fitted).find(|(row, _)| row.cell == cell).map(|(_, sd)| *sd);
             let error = noise.sd.filter(|_| noise.kind == NoiseKind::Common).or(error);
             let is_small = |chi: f64| error.is_some_and(|error| chi.abs() < NEAR * error);

@@ -8,8 +8,8 @@ use crate::fit::ChiResidual;
 use crate::fit::chain::{Kin, Model};
 use furrow_lineage::Lineage;
 
-/// The left-out embryo alone has a division of P2. Its scores do not depend on the unit of volumes, and are those of NumPy with errors
-/// by F.10 and the sizes of all rows.
+/// Only one embryo has a division of P2. The scores do not depend on the unit of volumes. NumPy gives the same scores for errors by F.10
+/// with the sizes of all rows.
 #[test]
 fn a_cell_of_one_embryo_keeps_her_size_in_any_unit() {
     let rows = [
