@@ -13,7 +13,7 @@ use crate::common::stand_in::{division, fake, grow, grown};
 
 /// A lineage in which every field is given.
 const EVERYTHING: &str = r#"Lineage(
-    name: "everything", citation: "nobody", naming: ('a', 'p'), units: (length_um: 3, time_min: 2),
+    name: "everything", citation: "nobody", naming: ('a', 'p'), units: (length_um: 3, time_min: 4),
     limits: (max_depth: 6, max_cells: 40), dies: ["L*lll", "nobody"],
     clock: (lifetime_min: 24, at_volume: 0.5, exponent: 0.28, volumes: (0.6, 1), tau_min: 4, origin: birth("S"), lifetimes: {"S": 20}),
     cues: {

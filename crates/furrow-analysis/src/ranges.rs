@@ -376,7 +376,7 @@ mod tests {
     #[test]
     fn quantiles_follow_the_weights() {
         let range = Range::of((1..=100).map(|k| (f64::from(k), 1.0)).collect()).unwrap();
-        assert_eq!(range, Range { p5: 5.0, p50: 50.0, p95: 95.0 });
+        assert_eq!(range, Range { p5: 5.5, p50: 50.5, p95: 95.5 });
         let range = Range::of(vec![(1.0, 0.01), (2.0, 0.98), (3.0, 0.01)]).unwrap();
         assert_eq!(range, Range { p5: 2.0, p50: 2.0, p95: 2.0 });
         assert_eq!(Range::of(vec![]), None);
