@@ -82,7 +82,7 @@ class CriticalRadius(Result):
 
 @dataclass(frozen=True, eq=False)
 class Checks(Result):
-    """What the noise and the mesh change about a division.
+    """The effects of the noise and of the mesh on a division.
 
     ``depends_on_noise``: Whether another seed changes more than the side of the furrow; None if its division failed.
     ``depends_on_mesh``: Whether twice the mesh with a quarter of the time tolerance changes the outcome, or χ by more than

@@ -68,7 +68,7 @@ pub fn divide(
     of_call.warned(py, found)
 }
 
-/// What the noise and the mesh change about a division: another seed on half the mesh, or the two effects separately.
+/// Checks a division by another seed on half the mesh, and if this differs, by the effects of noise and mesh separately.
 #[pyfunction]
 pub fn checks(py: Python<'_>, inputs: &Inputs, memo: &Memo, seed: u64, threads: usize) -> Result<Document, Error> {
     let input = inputs.division(seed)?;

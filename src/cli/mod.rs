@@ -150,7 +150,7 @@ enum Command {
 }
 
 thread_local! {
-    /// The only command whose arguments are defined, to save time; without a name those of all commands are.
+    /// The command that is run: to save time, only its arguments are defined. `None` defines the arguments of all commands.
     static NAMED: RefCell<Option<OsString>> = const { RefCell::new(None) };
 }
 

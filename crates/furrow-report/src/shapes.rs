@@ -101,7 +101,7 @@ pub fn threshold_report(found: &Pitchfork) -> Value {
     report
 }
 
-/// What the noise and the mesh change about a division, with the divisions that show it.
+/// The effects of the noise and of the mesh on a division, with the divisions that it was compared with.
 pub fn checks_report(Effects { settled, noise, mesh }: &Effects) -> Value {
     let of = |one: &Division| json!({ "outcome": one.outcome(), "chi": one.chi(), "u_furrow": one.u_furrow() });
     let on = |mesh: &Numerics| json!({ "intervals": mesh.intervals, "time_tolerance": mesh.time_tolerance });

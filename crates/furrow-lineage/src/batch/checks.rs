@@ -16,7 +16,7 @@ fn next_seed(input: &DivisionInput) -> DivisionInput {
     DivisionInput { seed: input.seed.wrapping_add(1), ..input.clone() }
 }
 
-/// What the noise and the mesh change about a division.
+/// The effects of the noise and of the mesh on a division.
 #[derive(Clone, Debug, Default)]
 pub struct Effects {
     /// The first check, if it shows that neither decides.
@@ -144,7 +144,7 @@ impl NoiseEffect {
 pub struct MeshEffect {
     /// The finer mesh and tolerance.
     pub finer: Numerics,
-    /// The division with these, or the reason why there is none.
+    /// The division on the finer mesh, or its error.
     pub other: Result<Division, Failure>,
     /// Whether it disagrees with the division on the given mesh.
     pub decides: bool,
