@@ -200,7 +200,7 @@ impl CanonicalBytes {
 }
 
 /// Version of the solver without axial symmetry, which changes more often than [`SOLVER_VERSION`].
-const SURFACE_VERSION: u64 = 3;
+const SURFACE_VERSION: u64 = 4;
 
 /// Marks a shell of another profile than an ellipse.
 const PROFILED: usize = 249;
