@@ -343,9 +343,9 @@ class Cell:
     def checks(
         self, seed: SupportsIndex = 0, *, memo: Memo | None = None, threads: SupportsIndex | None = None
     ) -> Checks:
-        """Checks whether the noise or the mesh decides the division of :meth:`divide` with this ``seed``, as ``furrow divide`` does
-        for every cell: it computes the division with another seed on half the mesh, and if this differs, also on the cell's own mesh
-        and with its own seed on twice the mesh. ``memo`` and ``threads`` are those of :meth:`divide`.
+        """Checks whether the noise or the mesh decides the division of :meth:`divide` with this ``seed``, as ``furrow divide``
+        does for every cell: it computes the division with another seed on half the mesh, and if this differs, also on the cell's
+        own mesh and with its own seed on twice the mesh. ``memo`` and ``threads`` are those of :meth:`divide`.
 
         >>> import furrow
         >>> furrow.Cell(2.5).checks().depends_on_noise, furrow.Cell(5.6).checks().depends_on_noise

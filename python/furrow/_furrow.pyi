@@ -19,6 +19,7 @@ __all__ = [
     "cache",
     "calibrate",
     "canonical_name",
+    "checks",
     "compare_contours",
     "compare_counts",
     "compare_dose",

@@ -84,6 +84,7 @@ class CriticalRadius(Result):
 class Checks(Result):
     """The effects of the noise and of the mesh on a division.
 
+    ``cell``: The cell.
     ``depends_on_noise``: Whether another seed changes more than the side of the furrow; None if its division failed.
     ``depends_on_mesh``: Whether twice the mesh with a quarter of the time tolerance changes the outcome, or χ by more than
     0.005; None if so fine a mesh is not allowed.

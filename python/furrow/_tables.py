@@ -113,12 +113,15 @@ def times_of(
     volumes: Table | None,
     frame_minutes: OfEmbryos | None,
     common_pace: bool,
+    common_size: bool,
     names: Table | None,
     root: str | Sequence[str] | None,
 ) -> dict[str, Any]:
     """What lifetimes and volumes are read from."""
     if table is None and bool_of("common_pace", common_pace):
         raise refused("common_pace", common_pace, "False without a table: published lifetimes are means of all embryos")
+    if volumes is None and bool_of("common_size", common_size):
+        raise refused("common_size", common_size, "False without volumes: published volumes are means of all embryos")
     if table is None and frame_minutes is not None:
         raise refused("frame_minutes", frame_minutes, "given with a table: published lifetimes are in minutes")
     asked = tables_of(table)
@@ -129,6 +132,7 @@ def times_of(
         "volumes": tables_of(volumes, "volumes"),
         "frame_minutes": of_embryos("frame_minutes", frame_minutes),
         "common_pace": bool_of("common_pace", common_pace),
+        "common_size": bool_of("common_size", common_size),
         "matching": matching_of(names, root),
     }
 

@@ -88,6 +88,7 @@ def lifetimes(
     volumes: Table | None = None,
     frame_minutes: OfEmbryos | None = None,
     common_pace: bool = False,
+    common_size: bool = False,
     names: Table | None = None,
     root: str | Sequence[str] | None = None,
 ) -> Lifetimes:
@@ -99,13 +100,14 @@ def lifetimes(
     one for each embryo by name. Each embryo has its time factor in ``embryos``; ``common_pace`` divides by it before embryos
     are averaged. ``names`` and ``root`` match cells with other names, as for :func:`counts`. Without a table these are
     the published means of 28 embryos of C. elegans. ``tree`` is by default grown from the built-in founders.
-    ``volumes`` are tables as for :func:`volumes`; default published ones. The clock is fitted: lifetimes of the model are no
+    ``volumes`` are tables as for :func:`volumes`; default published ones. ``common_size`` divides the volumes of each embryo by its
+    size factor before embryos are averaged. The clock is fitted: lifetimes of the model are no
     predictions.
     """
     if tree is not None and not isinstance(tree, Tree):
         raise refused("tree", tree, "a tree from furrow.tree()")
     grown = (grow() if tree is None else tree)._grown
-    asked = times_of(table, volumes, frame_minutes, common_pace, names, root)
+    asked = times_of(table, volumes, frame_minutes, common_pace, common_size, names, root)
     return Lifetimes(_furrow.compare_lifetimes(grown, asked))
 
 

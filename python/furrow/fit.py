@@ -184,6 +184,7 @@ def clock(
     lineage: str | os.PathLike[str] | None = None,
     frame_minutes: OfEmbryos | None = None,
     common_pace: bool = False,
+    common_size: bool = False,
     names: Table | None = None,
     root: str | Sequence[str] | None = None,
 ) -> Clock:
@@ -198,5 +199,5 @@ def clock(
     >>> [(law["founder"], round(law["exponent"], 2)) for law in found["exponents"]][:2]
     [('AB', 0.3), ('MS', 0.26)]
     """
-    asked = times_of(table, volumes, frame_minutes, common_pace, names, root)
+    asked = times_of(table, volumes, frame_minutes, common_pace, common_size, names, root)
     return Clock(*_furrow.fit_clock(asked, optional_path("lineage", lineage)))

@@ -33,6 +33,7 @@ pub struct TimesAsked {
     volumes: Tables,
     frame_minutes: OfEmbryos,
     common_pace: bool,
+    common_size: bool,
     matching: MatchAsked,
 }
 
@@ -48,7 +49,8 @@ impl TimesAsked {
             (files, None) if files.is_empty() => jankele2021_lifetimes()?,
             (files, None) => Lifetimes::read_files(&embryo_files(files, TableKind::Lifetimes)?.0, &options)?,
         };
-        let volumes = self.read_volumes(&names, only_of_worm)?;
+        let mut volumes = self.read_volumes(&names, only_of_worm)?;
+        volumes.common_size = self.common_size;
         names.require_met()?;
         Ok((lifetimes, volumes))
     }

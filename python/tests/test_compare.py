@@ -326,6 +326,7 @@ def test_arguments_without_effect_are_refused():
         (lambda: furrow.compare.lifetimes(frame_minutes=2), "frame_minutes"),
         (lambda: furrow.compare.lifetimes(LIFETIMES, frame_minutes=2), "frame_minutes"),
         (lambda: furrow.fit.clock(common_pace=True), "common_pace"),
+        (lambda: furrow.fit.clock(common_size=True), "common_size"),
     ):
         with pytest.raises(furrow.InputError) as refused:
             call()
