@@ -100,8 +100,8 @@ def lifetimes(
     one for each embryo by name. Each embryo has its time factor in ``embryos``; ``common_pace`` divides by it before embryos
     are averaged. ``names`` and ``root`` match cells with other names, as for :func:`counts`. Without a table these are
     the published means of 28 embryos of C. elegans. ``tree`` is by default grown from the built-in founders.
-    ``volumes`` are tables as for :func:`volumes`; default published ones. ``common_size`` divides the volumes of each embryo by its
-    size factor before embryos are averaged. The clock is fitted: lifetimes of the model are no
+    ``volumes`` are tables as for :func:`volumes`; default published ones. ``common_size`` divides the volumes of each embryo by
+    its size factor before embryos are averaged. The clock is fitted: lifetimes of the model are no
     predictions.
     """
     if tree is not None and not isinstance(tree, Tree):
