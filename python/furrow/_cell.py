@@ -340,9 +340,7 @@ class Cell:
             return division(self, first, solved[0][1], frames=self._frames(first, frames, places))
         return Replicates(tuple(division(self, seed, record) for seed, record in solved), dict(undecided))
 
-    def checks(
-        self, seed: SupportsIndex = 0, *, memo: Memo | None = None, threads: SupportsIndex | None = None
-    ) -> Checks:
+    def checks(self, seed: SupportsIndex = 0, *, memo: Memo | None = None, threads: SupportsIndex | None = None) -> Checks:
         """Checks whether the noise or the mesh decides the division of :meth:`divide` with this ``seed``, as ``furrow divide``
         does for every cell: it computes the division with another seed on half the mesh, and if this differs, also on the cell's
         own mesh and with its own seed on twice the mesh. ``memo`` and ``threads`` are those of :meth:`divide`.

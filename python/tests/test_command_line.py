@@ -208,7 +208,7 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
         {"[TABLE]": "furrow.fit.clock(table)", "--out": "furrow.fit.Clock.ron", "--plot": "furrow.fit.Clock.save(path)"}
         | {
             f"--{name}": f"furrow.fit.clock({name.replace('-', '_')})"
-            for name in ("volumes", "lineage", "frame-minutes", "common-pace", "names", "root")
+            for name in ("volumes", "lineage", "frame-minutes", "common-pace", "common-size", "names", "root")
         },
     ),
     "test": (
@@ -246,7 +246,7 @@ COMMANDS: dict[str, tuple[str, dict[str, str]]] = {
         {"[TABLE]": "furrow.compare.lifetimes(table)", "--plot": "furrow.compare.Lifetimes.to_pandas"}
         | {
             f"--{name}": f"furrow.compare.lifetimes({name.replace('-', '_')})"
-            for name in ("tree", "volumes", "frame-minutes", "common-pace", "names", "root")
+            for name in ("tree", "volumes", "frame-minutes", "common-pace", "common-size", "names", "root")
         },
     ),
     "compare contour": (
