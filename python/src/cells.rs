@@ -5,7 +5,7 @@ use furrow_analysis::bent::diagram_with_bent;
 use furrow_analysis::diagram;
 use furrow_formats::frames::{COLUMNS, check_step, row, stills};
 use furrow_lineage::batch::checks::{Checked, checked};
-use furrow_lineage::batch::{Replicates, SchedulerError, SchedulerOptions, replicates};
+use furrow_lineage::batch::{Replicates, SchedulerOptions, replicates};
 use furrow_mechanics::cortex::Wall;
 use furrow_mechanics::cortex::forces::{Place, profile};
 use furrow_mechanics::division::{Snapshot, Trajectory};
@@ -81,19 +81,11 @@ pub fn checks(py: Python<'_>, inputs: &Inputs, memo: &Memo, seed: u64, threads: 
     }
     let (of_call, memo) = (memo, memo.solved()?);
     let found = supervised(py, Interrupt::Abandons, None, move |watch| {
-        let found = watch.scheduled(threads, |options| checked(&input, &memo, options));
-        let Checked { effects, .. } = found.map_err(failed)?.ok_or(Error::Interrupted(0))?;
+        let found = watch.scheduled(threads, |options| checked(&input, &memo, options))?;
+        let Checked { effects, .. } = found.ok_or(Error::Interrupted(0))?;
         Ok(checks_report(&effects).into())
     });
     of_call.warned(py, found)
-}
-
-/// The error of a run of one division.
-fn failed(error: SchedulerError) -> Error {
-    match error {
-        SchedulerError::Unsolved { mut jobs, .. } if !jobs.is_empty() => jobs.remove(0).failure.into(),
-        error => error.into(),
-    }
 }
 
 /// A division with its shapes: its outcome, the columns of frames, where the places of each frame end in the columns of all places, and

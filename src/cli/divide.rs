@@ -213,8 +213,7 @@ fn without_axis(
 ) -> Result<(), CliError> {
     let memo = context.memo()?;
     let filming = Filming::of(input.seed);
-    let found =
-        solve(args, context, (input, args.replicates as usize), &memo, |one: &DivisionInput| filming.solve(one))?;
+    let found = solve(args, context, input, &memo, |one: &DivisionInput| filming.solve(one))?;
     let draws = args.frames.is_some() || picture.is_wanted() || movie.is_wanted();
     // The bend of a cell without a waist is not stored.
     let bends = found.replicates[0].division.neck_offset.is_none();
@@ -299,7 +298,7 @@ fn divide(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result
     if args.replicates == 1 {
         return divide_once(context, input, &memo);
     }
-    let mut found = solve(args, context, (input, args.replicates as usize), &memo, batch::solve)?;
+    let mut found = solve(args, context, input, &memo, batch::solve)?;
     let Replicate { seed, division, .. } = &found.replicates[0];
     let first = DivisionInput { seed: *seed, ..input.clone() };
     let mesh = MeshEffect::of(&first, division, &memo, &context.scheduling(&|_| ()))?;
@@ -324,27 +323,21 @@ fn divide_once(context: &Context, input: &DivisionInput, memo: &Memo) -> Result<
     Ok(Divisions { replicates, effects, ..Divisions::default() })
 }
 
-/// Solves `count` replicates. At least one of the requested ones must succeed; failures of additional ones are not reported.
+/// Solves the replicates. At least one must succeed.
 fn solve(
     args: &DivideArgs,
     context: &Context,
-    (input, count): (&DivisionInput, usize),
+    input: &DivisionInput,
     memo: &Memo,
     solver: impl Solve,
 ) -> Result<Divisions, CliError> {
-    if args.replicates == 1 {
-        let known = |k: usize| {
-            let seed = input.seed.wrapping_add(k as u64);
-            let division = memo.known(&DivisionInput { seed, ..input.clone() })?;
-            Some(Replicate { seed, division, perturbation: None })
-        };
-        if let Some(known) = (0..count).map(known).collect() {
-            return at_least_one(known, vec![]);
-        }
+    let count = args.replicates as usize;
+    if let Some(division) = memo.known(input).filter(|_| count == 1) {
+        return at_least_one(vec![Replicate { seed: input.seed, division, perturbation: None }], vec![]);
     }
     interrupt::listen();
     interrupt::finish();
-    let found = match args.replicates {
+    let found = match count {
         1 => replicates_by(solver, input, count, memo, &context.scheduling(&|_| ()))?,
         _ => context.scheduled(|options| replicates_by(solver, input, count, memo, options))?,
     };
@@ -354,12 +347,7 @@ fn solve(
     }
     let failed = found.undecided.into_iter().map(|job| (args.seed.wrapping_add(job.id as u64), reason(job.failure)));
     let solved = found.divisions.into_iter().map(|(seed, division)| Replicate { seed, division, perturbation: None });
-    // A failure of the additional replicate is not reported.
-    let asked = |seed: u64| seed.wrapping_sub(args.seed) < u64::from(args.replicates);
-    let (wanted, more): (Vec<Replicate>, Vec<Replicate>) = solved.partition(|one| asked(one.seed));
-    let mut found = at_least_one(wanted, failed.filter(|(seed, _)| asked(*seed)).collect())?;
-    found.replicates.extend(more);
-    Ok(found)
+    at_least_one(solved.collect(), failed.collect())
 }
 
 /// Disturbs the stationary shape with every seed; at least one division must succeed.

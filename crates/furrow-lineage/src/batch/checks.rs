@@ -82,12 +82,13 @@ pub fn checked(
         return Ok(Some(Checked { division, effects: Effects { settled, ..Effects::default() }, summary }));
     }
     // The refined division takes longest and starts first.
-    let next = next_seed(input);
-    let separate = input.refined().into_iter().chain([next.clone()]);
-    summary.add(solve_all(separate, memo, options, solve)?.summary);
-    let other = memo.known(&next);
+    let (refined, next) = (input.refined(), next_seed(input));
+    let separate = refined.iter().chain([&next]).cloned();
+    let mut found = solve_all(separate, memo, options, solve)?;
+    let other = found.divisions.pop().flatten();
     let noise = NoiseEffect::of(input, &division, other.iter().map(|other| (next.seed, other)));
-    let mesh = MeshEffect::of(input, &division, memo, options)?;
+    let mesh = refined.and_then(|refined| MeshEffect::between(&division, &refined, &mut found));
+    summary.add(found.summary);
     Ok(Some(Checked { division, effects: Effects { settled: None, noise, mesh }, summary }))
 }
 
@@ -164,16 +165,18 @@ impl MeshEffect {
         options: &SchedulerOptions<'_>,
     ) -> Result<Option<MeshEffect>, SchedulerError> {
         let Some(refined) = input.refined() else { return Ok(None) };
-        let (parity, finer) = (input.cell.is_mirror_symmetric(), refined.numerics);
-        let mut found = solve_all([refined], memo, options, solve)?;
-        let other = match (found.divisions.pop().flatten(), found.unsolved.pop()) {
-            (Some(division), _) => Ok(division),
-            (None, Some(job)) => Err(job.failure),
-            (None, None) => return Ok(None),
-        };
+        let mut found = solve_all([refined.clone()], memo, options, solve)?;
+        Ok(MeshEffect::between(division, &refined, &mut found))
+    }
+
+    /// The effect, from a run whose first job is the refined division; `None` if the run was interrupted before.
+    fn between(division: &Division, refined: &DivisionInput, run: &mut Solved) -> Option<MeshEffect> {
+        let failed = run.unsolved.iter().find(|job| job.id == 0).map(|job| Err(job.failure.clone()));
+        let other = run.divisions.first_mut()?.take().map(Ok).or(failed)?;
+        let parity = refined.cell.is_mirror_symmetric();
         let decides = other.as_ref().map_or(true, |other| division.depends_on_numerics(other, parity));
         let chi_apart = other.as_ref().ok().and_then(|other| division.chi_apart(other, parity));
-        Ok(Some(MeshEffect { finer, other, decides, chi_apart }))
+        Some(MeshEffect { finer: refined.numerics, other, decides, chi_apart })
     }
 }
 
