@@ -140,7 +140,8 @@ pub struct AxisArgs {
     /// Computes cells without axial symmetry: they may bend, and their furrow may close from one side
     #[arg(long)]
     three_dimensional: bool,
-    /// Largest azimuthal mode number of a surface, as --set modes=M: modes cos mφ with m up to M; a surface uses as many as its shape needs; default 4
+    /// Largest azimuthal mode number of a surface, as --set modes=M: modes cos mφ with m up to M; a surface uses as many as its shape
+    /// needs; default 4
     #[arg(long, value_name = "M", requires = "three_dimensional", value_parser = clap::value_parser!(u8).range(1..=12))]
     modes: Option<u8>,
 }

@@ -224,7 +224,7 @@ impl Context {
         // A table of the run's shell sets the aspect ratio too.
         let by_table = |parameter: &Parameter| *parameter == Parameter::Aspect && with.shell_profile.is_some();
         let differs = |parameter: &&Parameter| parameter.get(&with) != parameter.get(&without) && !by_table(parameter);
-        let has_r0 = lineages.iter().all(|lineage| lineage.founders.first().is_some_and(|first| first.r0.is_some()));
+        let has_r0 = lineages.iter().all(|lineage| lineage.founders[lineage.first()].r0.is_some());
         for parameter in Parameter::ALL.iter().filter(differs) {
             let whose = match parameter {
                 Parameter::R0 if has_r0 => "the first cell of the lineage has its own",

@@ -67,54 +67,54 @@ enum Command {
     ///
     /// With several lineages or several --cue, every combination is a scenario. One run grows and compares all scenarios, writes
     /// scenarios.csv, report.html and run.json, and writes each tree into a folder named after the scenario.
-    Tree(Deferred<tree::TreeArgs>),
+    Tree(IfNamed<tree::TreeArgs>),
     /// Computes one division, from the passive shape to pinch-off or rest
     ///
     /// With --from-steady the division starts from a stationary shape of the active cell, disturbed by the noise of the first step.
-    Divide(Deferred<divide::DivideArgs>),
+    Divide(IfNamed<divide::DivideArgs>),
     /// Computes the stationary shape at one activity, on the branch of the passive shape, and its growth rates
-    Steady(Deferred<steady::SteadyArgs>),
+    Steady(IfNamed<steady::SteadyArgs>),
     /// Continues symmetric and asymmetric stationary shapes over ξ_s, with their folds and pitchforks
     ///
     /// If the cue breaks the mirror symmetry, the command continues the branch of the passive shape.
-    Branch(Deferred<branch::BranchArgs>),
+    Branch(IfNamed<branch::BranchArgs>),
     /// Locates the first pitchfork of the mirror-symmetric shapes and its criticality
-    Pitchfork(Deferred<pitchfork::PitchforkArgs>),
+    Pitchfork(IfNamed<pitchfork::PitchforkArgs>),
     /// Continues the boundary of division over a parameter: the pitchfork and the folds of mirror-symmetric shapes
     ///
     /// If the cue breaks the mirror symmetry, the boundary is the fold at which the stable shapes end.
-    Boundary(Deferred<boundary::BoundaryArgs>),
+    Boundary(IfNamed<boundary::BoundaryArgs>),
     /// Computes PAR polarity at the sizes of the germline: the position of its boundary, the resulting χ, and the smallest polarised cell
     ///
     /// The model has two antagonists with cytosolic pools (Goehring et al. 2011) on the passive shape of the cell. If a polarised state
     /// exists, κ follows P as a step, and the cell divides with this cue. For each cell of the germline the command prints the boundary,
     /// and χ next to the measured χ. It also prints the smallest polarised cell and the smallest cell that divides.
-    Polarity(Deferred<polarity::PolarityArgs>),
+    Polarity(IfNamed<polarity::PolarityArgs>),
     /// Maps outcomes over a parameter and ξ_s: the exact edges of stable shapes, and χ from divisions
-    Phase(Deferred<phase::PhaseArgs>),
+    Phase(IfNamed<phase::PhaseArgs>),
     /// Computes divisions, trees, pitchforks or critical radii over axes of parameters
     ///
     /// Writes results.csv (one row per point, the first axis varies slowest), the same rows in results.jsonl, and all inputs in
     /// sweep.json. Interrupted sweeps resume.
-    Sweep(Deferred<sweep::SweepArgs>),
+    Sweep(IfNamed<sweep::SweepArgs>),
     /// Merges the parts of a sweep, or of a sample of furrow test
     ///
     /// A merged sweep has the same files as the whole sweep, byte for byte. The command fails if parts are missing or come from different
     /// sweeps or versions of furrow.
-    Merge(Deferred<merge::MergeArgs>),
+    Merge(IfNamed<merge::MergeArgs>),
     /// Solves for one parameter: the values at which a cell divides with a required χ, furrow position or time
     ///
     /// Lists all roots in a range, jumps of the outcome across the required value, and values without a division.
-    Solve(Deferred<solve::SolveArgs>),
+    Solve(IfNamed<solve::SolveArgs>),
     /// Writes a grown tree, or an observed embryo, in the formats of other programs
     ///
     /// newick, nhx and nexus are trees with named inner nodes; nhx and nexus add the data of each cell. csv has one row per cell.
     /// lineagetree is the numeric CSV of the Python package LineageTree. graphml is a graph. itol is a folder with a tree and its
     /// annotations for itol.embl.de. geff is a folder in the graph exchange format of cell tracking, ctc the table of tracks of the Cell
     /// Tracking Challenge.
-    Export(Deferred<export::ExportArgs>),
+    Export(IfNamed<export::ExportArgs>),
     /// Fits material and shell constants to measured thresholds and shows which combinations stay undetermined
-    Calibrate(Deferred<calibrate::CalibrateArgs>),
+    Calibrate(IfNamed<calibrate::CalibrateArgs>),
     /// Fits constants, activities, a cue or a clock to observations
     ///
     /// constants: one set of constants for the observed rounds and terminal cells of founders and the measured χ of the germline, with
@@ -122,31 +122,31 @@ enum Command {
     /// activity: for each founder separately, the activity that gives its observed rounds.
     /// cue: the cue that gives the measured χ of the germline, and which combinations of its numbers remain undetermined.
     /// clock: the lifetimes of cells as powers of their volumes, for a lineage file.
-    Fit(Deferred<fit::FitArgs>),
+    Fit(IfNamed<fit::FitArgs>),
     /// Tests hypotheses against each other: which cue fits measured χ best, and whether the difference is more than chance
     ///
     /// For each hypothesis the command prints the log likelihood, AICc, the score of left-out embryos, the fitted numbers with their
     /// errors, and the cells that do not divide. For each pair of hypotheses it prints whether they are distinguishable, or how many
     /// embryos would be needed.
-    Test(Deferred<test::TestArgs>),
+    Test(IfNamed<test::TestArgs>),
     /// Compares the model with measured embryos
-    Compare(Deferred<compare::CompareArgs>),
+    Compare(IfNamed<compare::CompareArgs>),
     /// Recomputes the paper figure by figure and lists what agrees and what differs
     ///
     /// FIGURE is a figure, panel, table or movie of the paper, such as 2A, S5, `Table S3` or `Movie 1`, or a group, such as 2 or movies.
     /// All figures take a minute or two. Sizes, confinement, activity and cues of single cells are the paper's; the constants, and
     /// all settings of lineages, come from --preset, --config and --set.
-    Reproduce(Deferred<reproduce::ReproduceArgs>),
+    Reproduce(IfNamed<reproduce::ReproduceArgs>),
     /// Writes a web page that computes divisions in the browser: any cell you choose, and the founders' tree under another cue
     ///
     /// The page is one file and works offline. `furrow tree` writes the same page with its tree, as report.html.
-    Explore(Deferred<explore::ExploreArgs>),
+    Explore(IfNamed<explore::ExploreArgs>),
     /// Writes a commented lineage file as a starting point
-    NewLineage(Deferred<new_lineage::NewLineageArgs>),
+    NewLineage(IfNamed<new_lineage::NewLineageArgs>),
     /// Inspects, verifies or clears the cache
-    Cache(Deferred<cache::CacheArgs>),
+    Cache(IfNamed<cache::CacheArgs>),
     /// Prints a completion script for a shell
-    Completions(Deferred<completions::CompletionsArgs>),
+    Completions(IfNamed<completions::CompletionsArgs>),
 }
 
 thread_local! {
@@ -154,11 +154,12 @@ thread_local! {
     static NAMED: RefCell<Option<OsString>> = const { RefCell::new(None) };
 }
 
-/// The arguments of a command. clap's own deferral would put them behind the global options in the help.
+/// The arguments of a command, defined unless [`NAMED`] is another one. clap's deferral would put them behind the global options in the
+/// help.
 #[derive(Debug)]
-struct Deferred<T>(T);
+struct IfNamed<T>(T);
 
-impl<T> std::ops::Deref for Deferred<T> {
+impl<T> std::ops::Deref for IfNamed<T> {
     type Target = T;
 
     fn deref(&self) -> &T {
@@ -166,7 +167,7 @@ impl<T> std::ops::Deref for Deferred<T> {
     }
 }
 
-impl<T: Args> Args for Deferred<T> {
+impl<T: Args> Args for IfNamed<T> {
     fn augment_args(command: clap::Command) -> clap::Command {
         let is_other = |named: &Option<OsString>| named.as_ref().is_some_and(|named| named != command.get_name());
         if NAMED.with_borrow(is_other) { command } else { T::augment_args(command) }
@@ -177,9 +178,9 @@ impl<T: Args> Args for Deferred<T> {
     }
 }
 
-impl<T: FromArgMatches> FromArgMatches for Deferred<T> {
+impl<T: FromArgMatches> FromArgMatches for IfNamed<T> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        T::from_arg_matches(matches).map(Deferred)
+        T::from_arg_matches(matches).map(IfNamed)
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {

@@ -230,19 +230,19 @@ impl Lineage {
 
     /// The rules for the parameters of a cell at a place, and the generation used in them.
     fn physics_rules_at(&self, place: Place) -> (&[PhysicsRule], u32) {
-        match &self.founders[place.founder].physics_rules[..] {
-            [] => (&self.physics_rules, place.generation),
-            own => (own, place.round),
-        }
+        let are_own = !self.founders[place.founder].physics_rules.is_empty();
+        (self.physics_rules_of(place.founder), if are_own { place.round } else { place.generation })
+    }
+
+    /// The rules for the parameters of a founder and its descendants: its own, or those of the file.
+    fn physics_rules_of(&self, founder: usize) -> &[PhysicsRule] {
+        let own = &self.founders[founder].physics_rules;
+        if own.is_empty() { &self.physics_rules } else { own }
     }
 
     /// Whether rules give a parameter of every cell of a founder a value that does not depend on the founder's or the run's.
     pub fn rules_replace(&self, founder: usize, parameter: Parameter) -> bool {
-        let rules = match &self.founders[founder].physics_rules[..] {
-            [] => &self.physics_rules[..],
-            own => own,
-        };
-        let of_parameter = rules.iter().filter(|rule| rule.parameter == parameter);
+        let of_parameter = self.physics_rules_of(founder).iter().filter(|rule| rule.parameter == parameter);
         let mut replacing = of_parameter.take_while(|rule| rule.value.is_some() && !rule.depends_on_mother());
         replacing.any(|rule| rule.span().covers(&Span::ALL))
     }

@@ -2,7 +2,7 @@
 //!
 //! * *Long*: one row per cell, or per cell and frame. The columns, in any order: `cell`, `volume` (or with its unit:
 //!   `volume_um3`, `volume_voxels`, `relative_volume`, each also with the prefix `mean_`), `embryo`, and optionally `group`,
-//!   `frame`, `unit` and `n`: the frames that a mean is over, which must be at least 1 and do not weight it.
+//!   `frame`, `unit` and `n`: the number of frames in a mean, at least 1, which gives it no more weight.
 //! * *Grid*: one row per frame, one column per cell, in voxels. The file is named after the embryo, as `Sample04_Volume.csv`; or one
 //!   row per embryo, with a column `embryo`.
 //! * *Divisions*: one row per division, with the volumes of both daughters, `larger_um3` and `smaller_um3`, beside `embryo` and

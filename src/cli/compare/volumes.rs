@@ -35,9 +35,9 @@ use std::path::PathBuf;
 /// Compares size asymmetries of measured divisions with the model's
 ///
 /// A table has one of four layouts. Long: columns embryo, cell and volume (or volume_um3, volume_voxels, relative_volume) and optionally
-/// group, frame and n, the frames that a mean is over, which must be at least 1. Grid: frames by cells of one embryo, in voxels, such as SampleNN_Volume.csv. Divisions: columns embryo,
-/// mother, larger_um3, smaller_um3 and optionally mother_um3, population and generation. χ: columns mother, chi (or
-/// chi_signed) and optionally embryo and group. Embryos tracked by other programs can be read too: nuclei (zip) or CD tables of
+/// group, frame and n (the number of frames in a mean, without effect). Grid: frames by cells of one embryo, in voxels, such as
+/// SampleNN_Volume.csv. Divisions: columns embryo, mother, larger_um3, smaller_um3 and optionally mother_um3, population and
+/// generation. χ: columns mother, chi (or chi_signed) and optionally embryo and group. Embryos tracked by other programs can be read too: nuclei (zip) or CD tables of
 /// AceTree, spots of TrackMate or Mastodon as CSV with their links in the same folder, GEFF. Without a table the model is compared with
 /// published means. The model's χ is computed twice: from the model's zygote, and from the measured sizes of AB and P1.
 #[derive(Debug, Args)]
