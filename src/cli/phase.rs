@@ -149,9 +149,10 @@ fn text(plane: &PhasePlane, diagram: &PhaseDiagram) -> String {
             };
             format!("{kind} {:.4}", edge.xi_s())
         };
-        let edges = match &column.edges[..] {
-            [] => "none in this range of ξ_s".to_owned(),
-            edges => edges.iter().map(edge).collect::<Vec<_>>().join(", "),
+        let edges = match (&column.edges[..], &column.error) {
+            ([], Some(_)) => "not computed".to_owned(),
+            ([], None) => "none in this range of ξ_s".to_owned(),
+            (edges, _) => edges.iter().map(edge).collect::<Vec<_>>().join(", "),
         };
         let _ = writeln!(out, "{name} = {:.4}: {edges}", column.x);
     }
