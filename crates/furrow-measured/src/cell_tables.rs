@@ -184,7 +184,9 @@ impl GridColumns {
                 let why = "may be an embryo or a frame: the column must be called embryo or frame";
                 return Err((label, why.to_owned()));
             }
-            return Ok(((group, of_file.to_owned()), Some(row.line as f64)));
+            // Frames without a number are told apart by their lines.
+            let frame = self.frame.and_then(|column| at(column).number().ok()).unwrap_or(-(row.line as f64));
+            return Ok(((group, of_file.to_owned()), Some(frame)));
         };
         let name = at(embryo).named("an embryo")?;
         self.common.require(row, &name, &group)?;

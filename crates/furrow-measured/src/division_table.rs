@@ -121,9 +121,11 @@ pub(crate) fn division<'r>(
     let (embryo, mother) = (at(columns.embryo).named("an embryo")?, at(columns.mother));
     mother.named("a mother")?;
     let generation = columns.generation.map(at).filter(|value| !is_absent(value.text));
-    if let Some(value) = generation.filter(|value| value.written().parse::<u32>().is_err()) {
-        return Err((value, "not a whole number of a generation".to_owned()));
-    }
+    let whole = |value: Value<'r>| {
+        let number = value.number().ok().filter(|number| number.fract() == 0.0 && (0.0..1e9).contains(number));
+        number.ok_or_else(|| (value, "not a whole number of a generation".to_owned()))
+    };
+    let generation = generation.map(whole).transpose()?;
     let factor = options.factor(unit_of_row(row, columns, said)?, &embryo);
     let name = name_of(mother, &embryo, &options.names);
     let chi_signed = (volumes[0] - volumes[1]) / (volumes[0] + volumes[1]);
@@ -137,7 +139,7 @@ pub(crate) fn division<'r>(
         group,
         // Without classes mothers of different embryos share only their generation.
         mother: class_of(row, &columns.class)?
-            .or(generation.map(|number| format!("{GENERATION}{}", number.written())))
+            .or(generation.map(|number| format!("{GENERATION}{number}")))
             .unwrap_or_else(|| name.clone()),
         daughters: ["larger", "smaller"].map(|which| format!("{name} {which}")),
         volumes: volumes.map(|volume| factor * volume),
@@ -187,7 +189,12 @@ pub(crate) fn chi_division<'r>(row: Row<'r>, columns: &ChiColumns, (file, option
     let name = name_of(mother, &embryo, &options.names);
     let group = columns.group.group_of(row, options.group.as_ref())?;
     columns.common.require(row, &embryo, &group)?;
-    let sd = |Share { column, size }: Share| given(Some(column)).map(|value| Ok(size * positive_of(value, SD)?));
+    let sd = |Share { column, size }: Share| {
+        given(Some(column)).map(|value| match size * positive_of(value, SD)? {
+            sd if sd < 1.0 => Ok(sd),
+            _ => Err((value, format!("{SD} must be below 1, as |χ| is"))),
+        })
+    };
     let division = Division {
         embryo,
         group,

@@ -180,7 +180,8 @@ fn frame_column(header: &Header<'_>) -> Result<Option<usize>, InputError> {
 }
 
 /// Names of the column of groups; one that comes first here counts where a table has several.
-pub(crate) const GROUP: [&str; 5] = ["group", "condition", "strain", "genotype", "treatment"];
+pub(crate) const GROUP: [&str; 8] =
+    ["group", "condition", "strain", "genotype", "treatment", "rnai", "perturbation", "allele"];
 
 /// The column of groups, if there is one.
 #[derive(Default)]
@@ -266,13 +267,40 @@ impl GridColumns {
 
 /// What summaries of other rows are called, without blanks and signs: means, deviations and errors, numbers, ends, and the rest.
 /// Letters with accents are left out.
-const SUMMARIES: [&[&str]; 8] = [
+const SUMMARIES: [&[&str]; 9] = [
     &["means", "meansd", "meansem", "mode", "promedio", "media", "overall", "pooled", "all"],
+    &[
+        "averages",
+        "totals",
+        "summary",
+        "gesamt",
+        "durchschnitt",
+        "mw",
+        "mittel",
+        "medio",
+        "moy",
+        "summa",
+        "totale",
+        "totaal",
+    ],
     &["sd", "std", "stdev", "stddev", "standarddeviation", "stddeviation", "stabw", "stdabw", "standardabweichung"],
     &["carttype", "ecarttype", "desvest", "desviacinestndar", "deviazionestandard"],
     &["se", "sem", "stderr", "stderror", "standarderror", "stderrorofmean", "stderrormean"],
-    &["variance", "var", "samplevariance", "cv", "coefficientofvariation", "kurtosis", "skewness", "anova"],
-    &["n", "count", "numberofvalues", "numberofembryos", "nobs", "sum", "summe", "somme", "suma"],
+    &[
+        "variance",
+        "varianz",
+        "spannweite",
+        "error",
+        "fehler",
+        "var",
+        "samplevariance",
+        "cv",
+        "coefficientofvariation",
+        "kurtosis",
+        "skewness",
+        "anova",
+    ],
+    &["n", "count", "anzahl", "nombre", "numberofvalues", "numberofembryos", "nobs", "sum", "summe", "somme", "suma"],
     &["min", "minimum", "max", "maximum", "range", "quartile", "iqr", "1stqu", "3rdqu", "1stquartile", "3rdquartile"],
     &[
         "lower95ciofmean",
@@ -288,7 +316,8 @@ const SUMMARIES: [&[&str]; 8] = [
 ];
 
 /// Words that call a row a summary, whatever else is in its name: Mean WT, Control mean.
-const MEANS: [&str; 12] = [
+const MEANS: [&str; 13] = [
+    "gesamtergebnis",
     "mean",
     "average",
     "avg",
@@ -304,11 +333,11 @@ const MEANS: [&str; 12] = [
 ];
 
 /// The same in writings without letters of the alphabet.
-const SIGNS: [&str; 4] = ["平均", "x̄", "σ", "Σ"];
+const SIGNS: [&str; 10] = ["平均", "平均値", "標準偏差", "中央値", "合計", "総計", "x̄", "σ", "Σ", "Ø"];
 
 /// Whether a text calls a row a summary of others, such as Mean, Mean WT, S.E.M., SD (n - 1) or 25 % percentile.
 pub(crate) fn is_summary(text: &[u8]) -> bool {
-    if is_mean(text) {
+    if is_mean(text) || is_count(text) {
         return true;
     }
     let (mut word, mut length) = ([0; 24], 0);
@@ -325,6 +354,12 @@ pub(crate) fn is_summary(text: &[u8]) -> bool {
     let percent = word.trim_start_matches(|c: char| c.is_ascii_digit());
     let of_percent = percent.len() < word.len() && matches!(percent, "" | "percentile" | "quantile");
     SUMMARIES.iter().any(|names| names.contains(&word)) || of_percent && text.contains(&b'%')
+}
+
+/// Whether a text says how many rows there are, as n = 3.
+fn is_count(text: &[u8]) -> bool {
+    let number = || text.strip_prefix(b"n").or_else(|| text.strip_prefix(b"N"))?.trim_ascii().strip_prefix(b"=");
+    number().is_some_and(|number| number.trim_ascii().iter().all(u8::is_ascii_digit))
 }
 
 /// Whether a text calls a row a mean. Groups may be called by other words of summaries, such as all.
@@ -454,13 +489,15 @@ pub(crate) struct ChiColumns {
 impl ChiColumns {
     /// The columns of a table of χ; `None` for other tables.
     pub(crate) fn of(header: &Header<'_>, class: Vec<usize>) -> Result<Option<Self>, InputError> {
-        // Where a table has both, the signed χ is more informative.
-        let share = |what: &str, names: &[&str]| -> Result<Option<Share>, InputError> {
+        // `bare` is the size of a share without a unit.
+        let share = |what: &str, names: &[&str], bare: f64| -> Result<Option<Share>, InputError> {
             let found: Result<Vec<_>, InputError> = names.iter().map(|name| header.quantity(name, &SHARES)).collect();
             let found = header.only(what, &found?.concat())?;
-            Ok(found.map(|(column, unit)| Share { column, size: unit.map_or(1.0, |unit| unit.size) }))
+            Ok(found.map(|(column, unit)| Share { column, size: unit.map_or(bare, |unit| unit.size) }))
         };
-        let [signed, absolute] = [share("signed χ", &["chi_signed", "χ_signed"])?, share("χ", &["chi", "χ"])?];
+        // Where a table has both, the signed χ is more informative.
+        let (signed, absolute) =
+            (share("signed χ", &["chi_signed", "χ_signed"], 1.0)?, share("χ", &["chi", "χ"], 1.0)?);
         let (Some(mother), Some(chi)) = (header.find(&["mother"]), signed.or(absolute)) else { return Ok(None) };
         let mother = cell_column(header).unwrap_or(mother);
         let mut volumes = Vec::new();
@@ -477,7 +514,7 @@ impl ChiColumns {
             embryo,
             common: Common::of(header, embryo, &group),
             group,
-            chi_sd: share("standard deviation of χ", &CHI_SD)?,
+            chi_sd: share("standard deviation of χ", &CHI_SD, chi.size)?,
             mother_volume: header.only("volume of the mother", &volumes)?,
             class,
         }))

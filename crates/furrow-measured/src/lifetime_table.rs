@@ -83,8 +83,11 @@ impl Columns {
             );
             return Err(header.refused(why));
         }
-        // A row with n is a mean over embryos.
-        let embryo = embryo_column(header).filter(|_| n.is_none());
+        let embryo = embryo_column(header);
+        if embryo.is_some() && n.is_some() {
+            let why = "a row is of one embryo, with a column embryo, or a mean over n embryos: leave out one of the two columns";
+            return Err(header.refused(why));
+        }
         let groups = GROUP.iter().filter_map(|name| header.find(&[name])).collect();
         let censored = header.find(&["censored", "is_censored", "right_censored"]);
         Ok(Columns { cell, life, n, sd, birth, division, embryo, groups, censored })

@@ -77,6 +77,9 @@ pub fn understood(text: &str) -> Option<String> {
     if is_cell(text) {
         return Some(text.to_owned());
     }
+    if let Some(name) = by_side(text) {
+        return Some(name.to_owned());
+    }
     if text.len() > 2 * LONGEST {
         return None;
     }
@@ -90,6 +93,11 @@ pub fn understood(text: &str) -> Option<String> {
         name.chars().all(|c| c.is_ascii_uppercase()).then(|| STEMS.iter().find_map(below))?
     };
     if is_cell(&name) { Some(name) } else { in_capitals().filter(|name| is_cell(name)) }
+}
+
+/// The name of a germ cell that is written as P4's daughter.
+fn by_side(text: &str) -> Option<&'static str> {
+    [("P4a", "Z3"), ("P4p", "Z2")].into_iter().find_map(|(other, name)| (text == other).then_some(name))
 }
 
 /// The mother of a cell, if it has one.
@@ -318,7 +326,8 @@ impl Names {
     pub fn understood(&self, embryo: &str, text: &str) -> Option<String> {
         let text = text.trim();
         let given = self.matching().and_then(|matching| matching.name_of(embryo, text));
-        let own = || if self.place(text).is_some() { Some(text.to_owned()) } else { understood(text) };
+        let of_worm = || by_side(text).filter(|_| self.are_of_worm()).map(str::to_owned);
+        let own = || of_worm().or_else(|| self.place(text).map(|_| text.to_owned())).or_else(|| understood(text));
         given.map(str::to_owned).or_else(own)
     }
 

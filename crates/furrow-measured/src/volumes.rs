@@ -458,18 +458,16 @@ impl Volumes {
         }
         self.skipped_count += lineage.skipped_count;
         self.skipped.extend(lineage.skipped.into_iter().take(MOST_PLACES.saturating_sub(self.skipped.len())));
-        for TrackedCell { name, volume, sizes, place: (file, line), .. } in &lineage.cells {
-            let value = Value { name: "name", ..Value::of_heading(*line, 0, name) };
-            let refused = |why: &str| Err((value, why.to_owned()));
+        for cell in &lineage.cells {
+            let TrackedCell { name, volume, sizes, place: (_, line), .. } = cell;
             let noted = match volume {
-                _ if !names.is_cell(name) => refused(names.unknown()),
-                None => refused("no size"),
+                _ if !names.is_cell(name) => Err(names.unknown().to_owned()),
+                None => Err("no size, such as a volume, a radius or a diameter".to_owned()),
                 Some(volume) => {
-                    let cell = self.cell(embryo, name, *line);
-                    let lifespan = &mut self.embryos[embryo].cells[cell];
+                    let place = self.cell(embryo, name, *line);
+                    let lifespan = &mut self.embryos[embryo].cells[place];
                     if lifespan.frames > 0 {
-                        let why = "a second cell of this name; the first begins on line";
-                        Err((value, format!("{why} {}", lifespan.line)))
+                        Err(format!("a second cell of this name; the first begins on line {}", lifespan.line))
                     } else {
                         (lifespan.sum, lifespan.frames) = (volume * *sizes as f64, *sizes);
                         Ok(())
@@ -478,7 +476,7 @@ impl Volumes {
             };
             match noted {
                 Ok(()) => self.used += sizes,
-                Err(rejected) => self.skip(file, &rejected),
+                Err(why) => note(&mut self.skipped, &mut self.skipped_count, || cell.unused(&why)),
             }
         }
         self.join_embryos(embryo);

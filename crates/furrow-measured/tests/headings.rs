@@ -146,6 +146,44 @@ fn values_that_are_not_there_are_written_in_many_ways() {
 }
 
 #[test]
+fn an_error_without_a_unit_has_the_unit_of_chi() {
+    for sd in ["chi_sd", "chi_sd (%)"] {
+        let division = read(&format!("embryo,mother,chi (%),{sd}\ne,P0,18,2\n")).unwrap().divisions.remove(0);
+        assert_eq!((division.chi_signed, division.chi_sd), (0.18, Some(0.02)), "{sd}");
+    }
+    assert_eq!(found("embryo,mother,chi,chi_sd\ne,P0,0.18,2\n"), (vec![], vec!["2".to_owned()]));
+}
+
+#[test]
+fn a_frame_occurs_once_in_a_grid_of_one_embryo() {
+    let twice = read("frame,AB,P1\n1,14000,10000\n2,14400,10200\n1,12000,11000\n").unwrap();
+    assert_eq!((twice.used, twice.skipped_count), (4, 2));
+    assert_eq!(twice.skipped[0].why, "a second volume of this cell in frame 1");
+    assert_eq!(read("time,AB,P1\n0:10,14000,10000\n0:20,14400,10200\n").unwrap().used, 4);
+}
+
+#[test]
+fn generations_may_be_written_with_decimals() {
+    let rows = "1,P0,6.0,9,6\n2,P0,6,8,6\n";
+    let volumes = read(&format!("embryo,mother,generation,larger_um3,smaller_um3\n{rows}")).unwrap();
+    assert_eq!((volumes.divisions.len(), &volumes.divisions[0].mother), (2, &volumes.divisions[1].mother));
+}
+
+#[test]
+fn the_germ_cells_have_two_names() {
+    let (volumes, chi) = (read("embryo,cell,volume_um3\ne,Z2,100\ne,P4a,110\n").unwrap(), 10.0 / 210.0);
+    let division = &divisions(&volumes).divisions[0];
+    assert!(division.mother == "P4" && (division.chi_signed - chi).abs() < 1e-12);
+}
+
+#[test]
+fn a_row_of_lifetimes_is_of_one_embryo_or_of_many() {
+    let table = "embryo,cell,lifetime_min,n\n1,ABa,17,3\n";
+    let why = Lifetimes::read(table.as_bytes(), "t.csv").unwrap_err().to_string();
+    assert!(why.ends_with("leave out one of the two columns"), "{why}");
+}
+
+#[test]
 fn a_minimum_is_not_a_time_in_minutes() {
     let table = "cell,lifetime_mean,lifetime_min,lifetime_max\nABa,1074,966,1164\n";
     let error = Lifetimes::read(table.as_bytes(), "t.csv").unwrap_err().to_string();
@@ -180,6 +218,15 @@ fn means_are_no_embryos_whatever_else_is_in_their_names() {
         "Number of embryos",
         "平均",
         "σ",
+        "Gesamtergebnis",
+        "Gesamt",
+        "Durchschnitt",
+        "合計",
+        "標準偏差",
+        "Totals",
+        "Summary",
+        "n = 3",
+        "N=12",
     ] {
         let (groups, skipped) = found(&format!("embryo,AB,P1\ne1,14596,10120\ne2,14000,10000\n{summary},1,2\n"));
         assert_eq!((groups, skipped), (vec![of_group("", 0.174, 2)], vec![summary.to_owned()]));

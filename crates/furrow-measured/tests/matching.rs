@@ -35,6 +35,25 @@ const SPOTS: &str = "LABEL,ID,FRAME,RADIUS\n\
     ID1,1,0,10\nID2,2,1,10\nID3,3,2,9\nID4,4,2,6\nID5,5,4,7\nID6,6,4,7\nID7,7,4,3\nID8,8,5,4\nID10,10,6,4\nID9,9,0,2\nID13,13,1,2\n";
 const EDGES: &str = "SPOT_SOURCE_ID,SPOT_TARGET_ID\n1,2\n2,3\n2,4\n3,5\n3,6\n4,7\n4,8\n8,10\n9,13\n";
 
+/// Names alone link the cells of a CD table, by whatever rule the lineage has.
+#[test]
+fn cells_of_a_cd_table_are_linked_by_the_names_of_the_lineage() {
+    let files = Files::new();
+    let table = "cellTime,cell,time,size\negg:1,egg,1,40\nanimal:2,animal,2,30\nvegetal:2,vegetal,2,34\n\
+        A1:3,A1,3,20\nA2:3,A2,3,18\nA1x:4,A1x,4,15\nA1y:4,A1y,4,15\n";
+    let path = files.write("CD.csv", table);
+    let lineage = read_embryo(&path, &TrackOptions::default(), &names()).unwrap();
+    let mothers: Vec<Option<&str>> =
+        lineage.cells.iter().map(|cell| cell.mother.map(|mother| lineage.cells[mother].name.as_str())).collect();
+    assert_eq!(mothers, [None, Some("egg"), Some("egg"), Some("animal"), Some("animal"), Some("A1"), Some("A1")]);
+    // Other names, matched to Sulston's.
+    let mapped = files.write("CD2.csv", "cellTime,cell,time\nX:1,X,1\nXa:2,Xa,2\nXp:2,Xp,2\n");
+    let map = "tracked,name\nX,AB\nXa,ABa\nXp,ABp\n";
+    let matched = Names::default().matched_by(Matching::parse(map, "map.csv", &[], "--root").unwrap()).unwrap();
+    let lineage = read_embryo(&mapped, &TrackOptions::default(), &matched).unwrap();
+    assert_eq!((lineage.cells[0].name.as_str(), lineage.cells[0].daughters.len()), ("AB", 2));
+}
+
 struct Files {
     folder: tempfile::TempDir,
 }

@@ -97,7 +97,7 @@ pub(super) fn is_unnamed(name: &str) -> bool {
 /// A column of a quantity, with the unit in its heading.
 pub type QuantityColumn<'u, K> = (usize, Option<&'u NamedUnit<K>>);
 
-/// The names of a table's columns. No two are alike but for case, blanks and hyphens, unless they are empty.
+/// The names of a table's columns. No two are alike but for case, blanks and hyphens, unless they are empty or of cells.
 #[derive(Clone, Debug)]
 pub struct Header<'f> {
     /// The names, as written.
@@ -110,18 +110,26 @@ pub struct Header<'f> {
 }
 
 impl<'f> Header<'f> {
-    /// The header on a line of a file.
+    /// The header on a line of a file. Names for which `is_exact` holds, as those of cells, are compared as they are written.
     ///
     /// # Errors
     /// Two columns with names that are alike.
-    pub(super) fn new(file: &'f str, line: usize, names: Vec<String>) -> Result<Header<'f>, InputError> {
+    pub(super) fn new(
+        file: &'f str,
+        line: usize,
+        names: Vec<String>,
+        is_exact: impl Fn(&str) -> bool,
+    ) -> Result<Header<'f>, InputError> {
         let unified: Vec<String> = names.iter().map(|name| unified_name(name)).collect();
         let header = Header { names, line, unified, file };
         let mut seen: HashSet<&str> = HashSet::new();
         let named = header.unified.iter().zip(&header.names).enumerate().filter(|(_, (name, _))| !name.is_empty());
         let mut again = named.filter_map(|(column, (name, written))| {
+            if is_exact(written) {
+                return (!seen.insert(written)).then_some((column, written.as_str()));
+            }
             let of_first = repeated_name(name).is_some_and(|first| seen.contains(first));
-            let first = if of_first { repeated_name(written).unwrap_or(written) } else { written };
+            let first = if of_first { repeated_name(written).unwrap_or(written) } else { written.as_str() };
             (of_first || !seen.insert(name)).then_some((column, first))
         });
         match again.next() {
@@ -253,7 +261,7 @@ mod tests {
     #[test]
     fn headings_give_their_units_in_many_ways() {
         let times = |name: &str| -> Result<Vec<(usize, Option<f64>)>, InputError> {
-            let header = Header::new("t.csv", 1, vec!["cell".to_owned(), name.to_owned()])?;
+            let header = Header::new("t.csv", 1, vec!["cell".to_owned(), name.to_owned()], |_| false)?;
             let found = header.quantity("lifetime", &TIMES)?;
             Ok(found.into_iter().map(|(column, unit)| (column, unit.map(|unit| unit.size))).collect::<Vec<_>>())
         };
@@ -269,12 +277,18 @@ mod tests {
         }
         let repeated = ["cell", "x", "cell.1"].map(str::to_owned).to_vec();
         let why = "t.csv:1:1: two columns are called \"cell\", the second of them column 3";
-        assert_eq!(Header::new("t.csv", 1, repeated).unwrap_err().to_string(), why);
+        assert_eq!(Header::new("t.csv", 1, repeated, |_| false).unwrap_err().to_string(), why);
         let twice = ["A7.1", "A7.1"].map(str::to_owned).to_vec();
         let why = "t.csv:1:1: two columns are called \"A7.1\", the second of them column 2";
-        assert_eq!(Header::new("t.csv", 1, twice).unwrap_err().to_string(), why);
+        assert_eq!(Header::new("t.csv", 1, twice, |_| false).unwrap_err().to_string(), why);
         let others = ["Embryo #", "A7.1", "A7.2"].map(str::to_owned).to_vec();
-        assert_eq!(Header::new("t.csv", 1, others).unwrap().find(&["embryo"]), Some(0));
+        assert_eq!(Header::new("t.csv", 1, others, |_| false).unwrap().find(&["embryo"]), Some(0));
+        // Names of cells may differ by case or by a number behind a point.
+        let cells = ["N", "n", "N.1"].map(str::to_owned).to_vec();
+        assert!(
+            Header::new("t.csv", 1, cells.clone(), |_| false).is_err()
+                && Header::new("t.csv", 1, cells, |_| true).is_ok()
+        );
         assert_eq!(times("Lifetime (h)").unwrap(), [(1, Some(60.0))]);
         assert_eq!(times("lifetime").unwrap(), [(1, None)]);
         assert_eq!(times("lifetime_rank").unwrap(), []);

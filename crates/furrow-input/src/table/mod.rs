@@ -215,9 +215,9 @@ impl<'f, R: Read> Table<'f, R> {
     /// # Errors
     /// As [`header`](Self::header), and two columns with names that are alike.
     pub fn columns(&mut self, is_header: impl Fn(&[String]) -> bool) -> Result<Header<'f>, InputError> {
-        let (line, names) = self.header(is_header)?;
+        let (line, names) = self.header(&is_header)?;
         self.heading.is_only = true;
-        Header::new(self.file, line, names)
+        Header::new(self.file, line, names, |name| is_header(&[String::new(), name.to_owned()]))
     }
 
     /// Names the columns, where the heading was read by [`next`](Self::next).

@@ -40,7 +40,7 @@ fn whole_number(word: &str) -> Option<u64> {
 
 pub(super) fn read(path: &Path, embryo: String) -> Result<TrackedLineage, InputError> {
     let file = path.display().to_string();
-    let text = read_text(path)?.replace("\r\n", "\n").replace('\r', "\n");
+    let text = read_text(path)?.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n");
     let mut spots = Spots::of(&file);
     let (mut chains, mut mothers, mut places) = (Vec::new(), Vec::new(), HashMap::new());
     let (mut rows, mut has_gaps) = (FirstRows::new(), false);

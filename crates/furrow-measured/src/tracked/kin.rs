@@ -4,7 +4,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{TrackedCell, TrackedLineage};
+use super::{Format, TrackedCell, TrackedLineage};
 use crate::names::Names;
 use crate::volumes::note;
 
@@ -19,9 +19,7 @@ impl TrackedLineage {
     pub(crate) fn follow_names(&mut self, names: &Names) {
         self.join_namesakes(names);
         let lost = self.leave_out_contradictions(names);
-        if !lost.is_empty() {
-            self.link_by_names(names, &lost);
-        }
+        self.link_by_names(names, &lost);
     }
 
     /// Whether a cell has a name of the lineage. A number is rather a label.
@@ -150,23 +148,31 @@ impl TrackedLineage {
         lost
     }
 
-    /// Links cells to the mothers that their names give, where either of them lost a link and the mother was seen in the frame before.
+    /// Links cells to the mothers that their names give, where the mother was seen in the frame before, and either of them lost a link or
+    /// the format has no links.
     fn link_by_names(&mut self, names: &Names, lost: &HashSet<usize>) {
-        let mut places: HashMap<String, usize> = HashMap::new();
-        for (k, cell) in self.cells.iter().enumerate() {
-            places.entry(cell.name.clone()).or_insert(k);
+        let has_links = self.format != Format::CdTable;
+        if has_links && lost.is_empty() {
+            return;
         }
-        for cell in 0..self.cells.len() {
-            let TrackedCell { name, mother: None, birth, .. } = &self.cells[cell] else { continue };
+        let named = |cell: &TrackedCell| names.understood(&self.name, &cell.name).unwrap_or_else(|| cell.name.clone());
+        let of_cells: Vec<String> = self.cells.iter().map(named).collect();
+        let mut places: HashMap<&str, usize> = HashMap::new();
+        for (k, name) in of_cells.iter().enumerate() {
+            places.entry(name).or_insert(k);
+        }
+        for (cell, name) in of_cells.iter().enumerate() {
+            let TrackedCell { mother: None, birth, .. } = &self.cells[cell] else { continue };
             let by_name = names.birth(name).and_then(|(mother, ..)| places.get(mother).copied());
             // Mothers come before their daughters.
-            let Some(mother) = by_name.filter(|mother| *mother < cell && places.get(name) == Some(&cell)) else {
+            let Some(mother) = by_name.filter(|mother| *mother < cell && places.get(name.as_str()) == Some(&cell))
+            else {
                 continue;
             };
             let TrackedCell { last, daughters, .. } = &self.cells[mother];
             let is_next = *last < *birth && *birth - *last < 1.5 * self.frame;
             let is_free = is_next && daughters.len() < 2;
-            if is_free && (lost.contains(&cell) || lost.contains(&mother)) {
+            if is_free && (!has_links || lost.contains(&cell) || lost.contains(&mother)) {
                 self.cells[cell].mother = Some(mother);
                 self.cells[mother].daughters.push(cell);
                 self.be_born_together(mother);

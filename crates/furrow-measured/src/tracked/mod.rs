@@ -111,7 +111,7 @@ impl TrackedCell {
     }
 
     /// The report of this cell as unused.
-    fn unused(&self, why: &str) -> Skipped {
+    pub(crate) fn unused(&self, why: &str) -> Skipped {
         let (file, line) = self.place.clone();
         Skipped {
             file,
@@ -183,6 +183,13 @@ pub(crate) enum Place {
 }
 
 impl TrackedLineage {
+    /// The same cells without sizes, for the reason in a report.
+    fn without_sizes(mut self, report: Skipped) -> TrackedLineage {
+        self.cells.iter_mut().for_each(|cell| (cell.volume, cell.sizes) = (None, 0));
+        self.unknown_sizes.get_or_insert(report);
+        self
+    }
+
     /// The cell of this name, or with a spot of this name or id.
     pub(crate) fn place_of(&self, name: &str) -> Place {
         let mut named = self.cells.iter().enumerate().filter(|(_, cell)| cell.name == name).map(|(k, _)| k);

@@ -5,7 +5,7 @@
 //! and the track that each comes from: `parent_track_id` (ultrack) or `parent` (btrack). napari has that in a graph of its own, which is
 //! read from a file beside the table: `…_graph.csv` with the columns `child` and `parent`, or `…_graph.json`, `{"child": [parent], …}`.
 //! Sizes are `volume` (with its unit, else in voxels or the given unit), `radius` or `diameter` in pixels, or beside a column `z` `area`,
-//! which counts voxels.
+//! which counts voxels unless z is 0 in all rows.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ use super::rows::{FirstRows, contents, repeat};
 use super::spots::{Spot, Spots};
 use super::{Format, TimeUnit, TrackOptions, TrackedLineage, embryo_of, located_file, whole, zarr};
 use crate::layout::{MISSING, volume_column};
-use crate::volumes::Unit;
+use crate::volumes::{Skipped, Unit};
 
 const TRACK: [&str; 3] = ["track_id", "trackid", "track"];
 /// Ids of tracks in tables without a column of the others, or of single spots.
@@ -107,6 +107,8 @@ struct Columns {
     name: Option<usize>,
     size: Size,
     unit: SizeUnit,
+    /// The column z, where the size is an area that is a volume in three dimensions.
+    z: Option<usize>,
 }
 
 impl Columns {
@@ -118,8 +120,9 @@ impl Columns {
             return Err(header.missing(&[("track_id", track), ("t", time)], "a table of tracks has them"));
         };
         let (voxel, voxels) = (voxel(options), unit_of_pixels(options));
-        let area = header.find(&["area", "n_voxels", "num_voxels"]).filter(|_| header.find(&["z"]).is_some());
-        let area = area.or_else(|| size_of_ilastik(header));
+        let z = header.find(&["z"]);
+        let of_region = header.find(&["area", "n_voxels", "num_voxels"]).filter(|_| z.is_some());
+        let area = of_region.or_else(|| size_of_ilastik(header));
         let (size, unit) = match volume_column(header)? {
             Some((at, Some(unit))) if unit.kind != Unit::Voxels => (Size::Volume(at, unit.size), unit.kind.into()),
             Some((at, Some(_))) => (Size::Volume(at, voxel), voxels),
@@ -134,9 +137,11 @@ impl Columns {
                 (None, None) => (Size::Unknown, voxels),
             },
         };
+        let z = z.filter(|_| matches!(size, Size::Volume(at, _) if Some(at) == of_region));
         // Spots with ids of their own are called by their tracks.
-        let name = header.find(&["name", "cell_name"]).or_else(|| header.find(&TRACK)).filter(|name| *name != track);
-        Ok(Columns { track, time, minutes, parent, name, size, unit })
+        let name = ["name", "cell_name", "cell"].into_iter().find_map(|name| header.find(&[name]));
+        let name = name.or_else(|| header.find(&TRACK)).filter(|name| *name != track);
+        Ok(Columns { track, time, minutes, parent, name, size, unit, z })
     }
 }
 
@@ -209,6 +214,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     let header = table.columns(|_| false)?;
     let columns = Columns::of(&header, options)?;
     let (mut spots, mut tracks, mut rows) = (Spots::of(&file), Tracks::default(), FirstRows::new());
+    let mut plane = Plane::default();
     while let Some(row) = table.next_row()? {
         let values = match Values::of(row, &columns) {
             Ok(values) => values,
@@ -230,6 +236,7 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
             continue;
         }
         read_row(row, &values, &columns, &file, options, (&mut spots, &mut tracks))?;
+        columns.z.into_iter().for_each(|z| plane.note(row, z));
     }
     let graph = match columns.parent {
         Some(_) => None,
@@ -244,7 +251,33 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     let only = if of_spots { Only::SameCell } else { Only::Daughter };
     chains::link(&mut spots, &mut chains, (&file, "t"), only)?;
     let time = if columns.minutes.is_some() { TimeUnit::Minutes } else { TimeUnit::Frames };
-    spots.lineage(embryo_of(path), Format::Tracks, time, columns.unit)
+    let lineage = spots.lineage(embryo_of(path), Format::Tracks, time, columns.unit)?;
+    Ok(match plane.report(&file) {
+        Some(report) => lineage.without_sizes(report),
+        None => lineage,
+    })
+}
+
+/// The plane z = 0, which films in two dimensions have in all rows: then areas are no volumes.
+#[derive(Default)]
+struct Plane {
+    /// The line of the first row.
+    first: Option<u64>,
+    /// Whether a row is outside the plane.
+    is_left: bool,
+}
+
+impl Plane {
+    fn note(&mut self, row: Row<'_>, z: usize) {
+        self.first.get_or_insert(row.line);
+        self.is_left |= row.number(z).ok() != Some(0.0);
+    }
+
+    fn report(self, file: &str) -> Option<Skipped> {
+        let line = self.first.filter(|_| !self.is_left)?;
+        let why = "all rows have this z: areas in a plane are no volumes, and sizes are unknown".to_owned();
+        Some(Skipped { file: file.to_owned(), line, column: "z".to_owned(), value: "0".to_owned(), why })
+    }
 }
 
 /// The required values of a row.
@@ -282,16 +315,20 @@ fn read_row(
 ) -> Result<(), InputError> {
     let written = |column: usize| text(row.text(column)).into_owned();
     let size = |column: usize| {
-        let size = row.number(column).ok().filter(|size| *size > 0.0 && *size < 1e30);
-        size.ok_or(column)
+        let why = "must be a size above 0";
+        match row.number(column) {
+            Ok(size) if size > 0.0 && size < 1e30 => Ok(size),
+            Ok(_) => Err((column, why.to_owned())),
+            Err(more) => Err((column, format!("{why} ({more})"))),
+        }
     };
     let volume = match columns.size {
         Size::Unknown => Ok(None),
         Size::Volume(column, unit) => size(column).map(|size| Some(size * unit)),
         Size::Length(column, part, unit) => size(column).map(|size| Some(sphere_in(unit, size * part, options))),
     };
-    if let Err(column) = volume {
-        spots.skip(file, row.line, row.name(column), &written(column), "must be a size above 0");
+    if let Err((column, why)) = &volume {
+        spots.skip(file, row.line, row.name(*column), &written(*column), why.as_str());
     }
     let name = columns.name.map(written).filter(|name| !name.is_empty()).unwrap_or_else(|| id.to_string());
     let volume = volume.ok().flatten();

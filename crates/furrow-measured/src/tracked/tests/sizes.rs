@@ -31,6 +31,20 @@ fn sizes_that_are_all_the_same_are_unknown() {
     assert!(single.cells.iter().all(|cell| cell.volume.is_some()));
 }
 
+/// Programs write z = 0 for films in two dimensions.
+#[test]
+fn areas_in_the_plane_z_0_are_no_volumes() {
+    let at = |z: u32| {
+        table("track_id,t,z,y,x,parent_track_id,area", |track, t, mother, radius| {
+            format!("{track},{t},{z},1,2,{mother},{radius}")
+        })
+    };
+    let lineage = embryo("tracks.csv", at(0));
+    assert!(lineage.cells.iter().all(|cell| cell.volume.is_none()));
+    assert_eq!(lineage.unknown_sizes.map(|report| (report.line, report.column)), Some((2, "z".to_owned())));
+    assert!(embryo("tracks.csv", at(1)).cells.iter().all(|cell| cell.volume.is_some()));
+}
+
 /// `--unit` says what volumes without a unit are; lengths may have theirs behind an underscore, too.
 #[test]
 fn volumes_without_a_unit_take_the_given_one() {
