@@ -230,5 +230,10 @@ fn observations(args: &TestArgs, files: &[EmbryoFile], lineage: &Lineage) -> Res
     if observations.of_nuclei {
         messages::warning!("AceTree and StarryNite measure nuclei: χ is that of their nuclei, not of the cells");
     }
+    if !observations.pooled.is_empty() {
+        let groups = observations.pooled.iter().map(|group| if group.is_empty() { "(none)" } else { group.as_str() });
+        let groups: Vec<&str> = groups.collect();
+        messages::warning!("the groups {} are taken together; --population selects one", groups.join(", "));
+    }
     Ok(Observations { others: others(args, lineage)?, ..observations })
 }

@@ -85,6 +85,8 @@ pub struct Observations {
     pub skipped_count: u64,
     /// Whether volumes are of nuclei rather than of cells.
     pub of_nuclei: bool,
+    /// Groups of embryos that are taken together; empty if there are fewer than two.
+    pub pooled: Vec<String>,
     /// Each embryo beside the others, by size.
     pub embryos: Vec<EmbryoSize>,
     /// How the cells of embryos that were followed were matched to the lineage.
@@ -167,11 +169,18 @@ impl Observations {
             volume: if has_sizes { Some(division.mother_volume()) } else { division.mother_measured },
         };
         let rows = found.divisions.iter().map(row).collect();
+        let mut pooled: Vec<String> = found.divisions.iter().map(|division| division.group.clone()).collect();
+        pooled.sort_unstable();
+        pooled.dedup();
+        if volumes.of_populations || pooled.len() < 2 {
+            pooled.clear();
+        }
         let observations = Observations::of(rows, lineage, chosen.cells, (source, options[0]))?;
         Ok(Observations {
             skipped: volumes.skipped.clone(),
             skipped_count: volumes.skipped_count,
             of_nuclei: volumes.of_nuclei,
+            pooled,
             embryos: volumes.sizes(),
             matched: volumes.matched.clone(),
             ..observations
