@@ -124,11 +124,11 @@ fn text(found: &BoundaryStudy, units: &Units) -> String {
         let (Some(first), Some(last)) = (curve.points.first(), curve.points.last()) else { return String::new() };
         let how = match &curve.ended {
             CurveEnd::Reached => String::new(),
-            ended => format!("; {} at {:.6}", ended.name(), curve.cusp().unwrap_or(*last).value),
+            ended => format!("; {} at {:.6}", end_name(name, ended), curve.cusp().unwrap_or(*last).value),
         };
         format!("{}{}  in {} points{how}\n", line(name, first, units), line("  to", last, units), curve.points.len())
     };
-    let pitchfork = Curve { ended: CurveEnd::Reached, ..found.pitchfork.clone() };
+    let pitchforks = found.pitchfork_names().map(|(name, curve)| ends(&name, curve));
     let folds = found.folds.iter().enumerate().map(|(k, fold)| ends(&format!("fold {k}"), fold));
     let listed = ["degenerate", "bent degenerate", "cusp", "critical"];
     let events = found.named().into_iter().filter(|(name, _)| listed.contains(&name.as_str()));
@@ -138,8 +138,16 @@ fn text(found: &BoundaryStudy, units: &Units) -> String {
     let critical = found.bent_critical.map(|CurvePoint { r0, .. }| {
         format!("without axial symmetry cells below R0 = {r0:.5}{} come to rest bent\n", units.in_micrometres(r0))
     });
-    let curves = folds.chain(azimuthal).chain(bent).chain(events).chain(critical);
-    [HEADING.to_owned(), ends("pitchfork", &pitchfork)].into_iter().chain(curves).collect()
+    let curves = pitchforks.chain(folds).chain(azimuthal).chain(bent).chain(events).chain(critical);
+    std::iter::once(HEADING.to_owned()).chain(curves).collect()
+}
+
+/// What the end of a curve is called: pitchforks meet in pairs, but not in a cusp.
+fn end_name(curve: &str, end: &CurveEnd) -> &'static str {
+    match end {
+        CurveEnd::Cusp(_) if curve.starts_with("pitchfork") => "turns back",
+        end => end.name(),
+    }
 }
 
 fn line(name: &str, p: &CurvePoint, units: &Units) -> String {

@@ -138,13 +138,14 @@ fn text(plane: &PhasePlane, diagram: &PhaseDiagram) -> String {
         }
         out.push('\n');
     }
-    out += "edges of the stable shapes (pitchfork P, fold F):\n";
+    out += "edges of the stable shapes (pitchfork P, fold F, Hopf point H):\n";
     for column in &diagram.columns {
         let edge = |edge: &Edge| {
             let kind = match edge {
                 Edge::Pitchfork { .. } => "P",
                 Edge::BentPitchfork { .. } => "bent P",
                 Edge::BentFold { .. } => "bent F",
+                Edge::Hopf { .. } => "H",
                 _ => "F",
             };
             format!("{kind} {:.4}", edge.xi_s())

@@ -121,6 +121,33 @@ fn a_boundary_has_the_folds_within_its_range() {
     }
 }
 
+/// Where two pitchforks meet, both end, and a later one is the first: the curve through the first pitchfork at one end of the range does
+/// not lead to that at the other end.
+#[test]
+fn a_boundary_has_the_first_pitchforks_of_its_range() {
+    let cell = Cell::new(5.4);
+    let (numerics, tension) = (Numerics::default(), Parameter::Tension);
+    let along = |folds: bool| match folds {
+        true => curves::boundary_and_folds(&cell, &numerics, tension, [0.0, 1.0], None),
+        false => curves::boundary_curves(&cell, &numerics, tension, [0.0, 1.0], None),
+    };
+    let [all, few] = [true, false].map(|folds| along(folds).unwrap().pitchforks);
+    for (curves, values) in [(all, &[0.0, 0.2, 0.5, 0.75, 1.0][..]), (few, &[0.0, 1.0])] {
+        for value in values {
+            let mut cell = cell.clone();
+            tension.set(&mut cell, *value);
+            let first = first(&cell).point.xi_s;
+            let around = |ends: &&[CurvePoint]| (ends[0].value - value) * (ends[1].value - value) <= 0.0;
+            let near = |ends: &[CurvePoint]| {
+                let low = f64::min(ends[0].xi_s, ends[1].xi_s) - 1e-3;
+                (low..=f64::max(ends[0].xi_s, ends[1].xi_s) + 1e-3).contains(&first)
+            };
+            let found = curves.iter().any(|curve| curve.points.windows(2).filter(around).any(near));
+            assert!(found, "tension = {value}: {first}");
+        }
+    }
+}
+
 /// Points of a curve are the pitchforks found one at a time, and criticality changes where the coefficient vanishes.
 #[test]
 fn the_curve_of_pitchforks_agrees_with_single_ones() {

@@ -30,6 +30,18 @@ fn divisions_of_cued_cells_agree_with_their_fold() {
     check_threshold(0.02, |factor| Cell { xi_s: factor * fold, ..cell.clone() });
 }
 
+/// Shapes may begin to oscillate before their pitchfork, or without one.
+#[test]
+fn stable_shapes_end_where_an_oscillation_grows() {
+    for (tension, hopf) in [(0.65, 17.2380), (0.8, 18.5935), (0.9, 19.5162)] {
+        let cell = Cell { tension, ..Cell::new(5.4) };
+        let shapes = rest_shapes(&cell, &Numerics::default(), 25.0).unwrap();
+        let [[from, to]] = shapes.intervals[..] else { panic!("{shapes:?}") };
+        assert!(from == 0.0 && (to - hopf).abs() < 1e-3, "{tension}: {shapes:?}");
+        assert!(matches!(shapes.edges.last(), Some(Edge::Hopf { xi_s, .. }) if *xi_s == to));
+    }
+}
+
 /// A pitchfork between the last free point of a branch and the bound it is cut at was once an error: landing on the bound
 /// forgot the point before.
 #[test]

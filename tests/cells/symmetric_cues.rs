@@ -48,7 +48,7 @@ fn a_cue_without_amplitude_is_no_cue() {
         let [e, f] = [&plain, &cell].map(|cell| rest_shapes(cell, &numerics, 30.0).unwrap());
         let [g, h] = [&plain, &cell].map(|cell| divide(&DivisionInput::new(cell.clone())).unwrap());
         assert!(a == b && c == d && e == f && g == h, "{cue}: {} {} {} {}", a == b, c == d, e == f, g == h);
-        assert!(c.pitchfork.is_some());
+        assert_eq!(c.pitchforks.len(), 1);
     }
 }
 
@@ -104,7 +104,7 @@ fn even_cues_keep_the_pitchfork() {
         assert_eq!(spectrum.values[0].parity, Parity::Mixed);
 
         let curve =
-            curves::boundary_curves(&cell, &numerics, Parameter::R0, [2.0, 2.2], None).unwrap().pitchfork.unwrap();
+            curves::boundary_curves(&cell, &numerics, Parameter::R0, [2.0, 2.2], None).unwrap().pitchforks.remove(0);
         assert!((curve.points[0].xi_s / found.point.xi_s - 1.0).abs() < 1e-7);
         let shapes = rest_shapes(&cell, &numerics, 30.0).unwrap();
         let Edge::Pitchfork { xi_s, .. } = shapes.edges[0] else { panic!("{shapes:?}") };
@@ -154,7 +154,7 @@ fn boundaries_over_an_amplitude_pass_from_no_cue_to_a_cue() {
         for range in [[0.0, 0.1], [0.1, 0.0]] {
             let found = curves::boundary_curves(&cell, &numerics, amplitude, range, None).unwrap();
             let end = found.folds[0].points.iter().find(|point| point.value == 0.1).unwrap();
-            assert!(found.pitchfork.is_none());
+            assert!(found.pitchforks.is_empty());
             assert!((end.xi_s / fold - 1.0).abs() < 1e-7, "R0 = {r0}, {range:?}: {} {fold}", end.xi_s);
         }
     }
@@ -172,7 +172,7 @@ fn one_term_of_an_even_pair_breaks_the_symmetry() {
         primary::failure_fold(&cell, &Numerics::default(), &StepBudget::unlimited()).unwrap().point.xi_s
     };
     let found = curves::boundary_curves(&cell, &Numerics::default(), amplitude, [0.15, 0.12], None).unwrap();
-    assert!(found.pitchfork.is_none());
+    assert!(found.pitchforks.is_empty());
     for (point, value) in [(&found.folds[0].points[0], 0.15), (found.folds[0].points.last().unwrap(), 0.12)] {
         assert!((point.xi_s / varied(value) - 1.0).abs() < 1e-7, "{point:?}");
     }

@@ -7,7 +7,7 @@ use furrow_input::InputError;
 use furrow_lineage::batch::PhasePlane;
 use furrow_mechanics::critical::{self, BoundaryKind, Method};
 use furrow_mechanics::equilibria::azimuthal_threshold::threshold_curve;
-use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
+use furrow_mechanics::equilibria::curves::{self, BoundaryCurves, Curve, CurveEnd, CurvePoint};
 use furrow_mechanics::equilibria::{ShapeError, StepBudget};
 use serde_json::{Value, json};
 use std::sync::atomic::AtomicBool;
@@ -21,8 +21,8 @@ pub struct BoundaryStudy {
     pub parameter: Parameter,
     /// Its range.
     pub range: [f64; 2],
-    /// The curve of pitchforks; without points where a cue breaks the symmetry.
-    pub pitchfork: Curve,
+    /// The curves through the first pitchforks; none where a cue breaks the symmetry.
+    pub pitchforks: Vec<Curve>,
     /// Curves of folds.
     pub folds: Vec<Curve>,
     /// Where two folds are born.
@@ -104,11 +104,10 @@ pub fn boundary(
         parameter.set(&mut cell, value);
         cell.is_mirror_symmetric()
     };
-    if found.pitchfork.is_none() && range.into_iter().all(is_symmetric) {
+    if found.pitchforks.is_empty() && range.into_iter().all(is_symmetric) {
         warnings.push("no end of the range has a pitchfork; the curves are those of folds".to_owned());
     }
-    let on_curve = critical::value_on(&found, parameter);
-    let point = || critical_point(cell, numerics, parameter, range, on_curve, &mut warnings);
+    let point = || critical_point(cell, numerics, parameter, range, &found, &mut warnings);
     let critical = match options.critical.then(point) {
         // The curves stay an answer.
         Some(Err(error)) => {
@@ -122,8 +121,9 @@ pub fn boundary(
     {
         warnings.push(format!("the critical {parameter} = {value:.6} is outside the range"));
     }
-    let (symmetric, folds) = (found.pitchfork.is_some(), found.folds);
-    let pitchfork = found.pitchfork.unwrap_or_default();
+    let BoundaryCurves { pitchforks, folds } = found;
+    let symmetric = !pitchforks.is_empty();
+    warnings.extend(pitchforks.iter().filter_map(Curve::error).map(|error| format!("pitchforks: {error}")));
     for (k, fold) in folds.iter().enumerate() {
         match &fold.ended {
             CurveEnd::Stopped(error) => warnings.push(format!("fold {k} is followed no further: {error}")),
@@ -138,7 +138,7 @@ pub fn boundary(
         cell: cell.clone(),
         parameter,
         range,
-        pitchfork,
+        pitchforks,
         cusps: cusps(&folds),
         folds,
         critical,
@@ -160,7 +160,7 @@ pub fn edges(plane: &PhasePlane, azimuthal: usize) -> (Edges, Vec<String>) {
         _ => return (Edges::default(), warnings),
     };
     let found = curves::boundary_and_folds(cell, numerics, *parameter, range, None).map(|found| Edges {
-        pitchforks: Vec::from_iter(found.pitchfork),
+        pitchforks: found.pitchforks,
         folds: found.folds,
         ..Edges::default()
     });
@@ -193,24 +193,37 @@ fn thresholds(
     found
 }
 
-/// Where the boundary lies at the cell's activity: `on_curve`, where the curve over the range says it, else it is searched for.
+/// Where the boundary lies at the cell's activity: where the curve over the range passes it, else it is searched for.
 /// Along R0 it is the critical radius of a tree, from wherever the range begins: a curve of folds that begins at the smallest radii
-/// may be another one. Warnings say if smaller cells divide, or larger ones rest, all the same.
+/// may be another one. If this radius is outside the range, and the curve passes the activity inside it where ξ_s* rises with R0, this
+/// point is given. Warnings say if smaller cells divide, or larger ones rest, all the same.
 fn critical_point(
     cell: &Cell,
     numerics: &Numerics,
     parameter: Parameter,
     [from, to]: [f64; 2],
-    on_curve: Option<(BoundaryKind, CurvePoint)>,
+    curves: &BoundaryCurves,
     warnings: &mut Vec<String>,
 ) -> Result<CurvePoint, ShapeError> {
     let middle = [0.5 * (from + to), from, to];
-    let starts = if parameter == Parameter::R0 { &critical::STARTS[..] } else { &middle };
+    let over_r0 = parameter == Parameter::R0;
+    let starts = if over_r0 { &critical::STARTS[..] } else { &middle };
     let search = || critical::critical_value(cell, numerics, parameter, starts, &StepBudget::unlimited());
-    let same_fold =
-        |(kind, _): &(BoundaryKind, CurvePoint)| parameter != Parameter::R0 || *kind == BoundaryKind::Pitchfork;
-    let (kind, point) = on_curve.filter(same_fold).map_or_else(search, Ok)?;
-    if parameter == Parameter::R0 {
+    let same_fold = |(kind, _): &(BoundaryKind, CurvePoint)| !over_r0 || *kind == BoundaryKind::Pitchfork;
+    let found = critical::value_on(curves, parameter).filter(same_fold).map_or_else(search, Ok);
+    let is_inside = |point: &CurvePoint| (from.min(to)..=from.max(to)).contains(&point.value);
+    let rising = critical::passage(curves).filter(|(kind, point)| {
+        let rises = *kind == BoundaryKind::Pitchfork && point.slope > 0.0;
+        over_r0 && rises && !found.as_ref().is_ok_and(|(_, found)| is_inside(found))
+    });
+    if let Some((_, point)) = rising {
+        let r0 = point.value;
+        warnings
+            .push(format!("ξ_s* rises with R0 at {r0:.6}: smaller cells divide there, and larger ones come to rest"));
+        return Ok(point);
+    }
+    let (kind, point) = found?;
+    if over_r0 {
         warnings.extend(trials(cell, numerics, (kind, point.value), &critical::AXISYMMETRIC, None));
     }
     Ok(point)
@@ -260,11 +273,18 @@ impl BoundaryStudy {
             json!({ "curve": curve, "value": value, "reason": fold.ended.name() })
         };
         let of_folds = folds().flat_map(|(k, fold)| fold.points.iter().map(move |p| point_document(k, p)));
+        // Several curves are numbered, as those of folds.
+        let number = |k: usize| if self.pitchforks.len() > 1 { k.into() } else { Value::Null };
+        let of_pitchforks = self
+            .pitchforks
+            .iter()
+            .enumerate()
+            .flat_map(|(k, curve)| curve.points.iter().map(move |point| point_document(number(k), point)));
         let mut document = json!({
             "vary": self.parameter.to_string(),
             "cue": self.cell.cue,
-            "pitchfork": points(&self.pitchfork.points),
-            "degenerate": points(&degenerate(&self.pitchfork)),
+            "pitchfork": of_pitchforks.collect::<Vec<_>>(),
+            "degenerate": points(&self.degenerate()),
             "folds": of_folds.collect::<Vec<_>>(),
             "ends": folds().map(end).collect::<Vec<_>>(),
             "cusps": points(&self.cusps),
@@ -288,6 +308,19 @@ impl BoundaryStudy {
         document
     }
 
+    /// Where criticality changes along curves of pitchforks, in the range.
+    fn degenerate(&self) -> Vec<CurvePoint> {
+        let [from, to] = self.range;
+        let is_inside = |point: &CurvePoint| (from.min(to)..=from.max(to)).contains(&point.value);
+        self.pitchforks.iter().flat_map(degenerate).filter(is_inside).collect()
+    }
+
+    /// The names of the curves of pitchforks.
+    pub fn pitchfork_names(&self) -> impl Iterator<Item = (String, &Curve)> {
+        let name = |k: usize| if k == 0 { "pitchfork".to_owned() } else { format!("pitchfork {k}") };
+        self.pitchforks.iter().enumerate().map(move |(k, curve)| (name(k), curve))
+    }
+
     fn bent_degenerate(&self) -> Vec<CurvePoint> {
         self.bent.iter().flatten().flat_map(|(_, curve)| degenerate(curve)).collect()
     }
@@ -295,10 +328,8 @@ impl BoundaryStudy {
     /// All points with the names of their curves.
     pub fn named(&self) -> Vec<(String, CurvePoint)> {
         let folds = self.folds.iter().enumerate().map(|(k, fold)| (format!("fold {k}"), fold.points.clone()));
-        let before = [
-            ("pitchfork".to_owned(), self.pitchfork.points.clone()),
-            ("degenerate".to_owned(), degenerate(&self.pitchfork)),
-        ];
+        let pitchforks = self.pitchfork_names().map(|(name, curve)| (name, curve.points.clone()));
+        let before = pitchforks.chain([("degenerate".to_owned(), self.degenerate())]);
         let after = [("cusp".to_owned(), self.cusps.clone()), ("critical".to_owned(), Vec::from_iter(self.critical))];
         let azimuthal = self.azimuthal.iter().flatten().map(|(m, curve)| (format!("m = {m}"), curve.points.clone()));
         let bent = self.bent.iter().flatten().map(|(name, curve)| (format!("bent {name}"), curve.points.clone()));
@@ -306,7 +337,7 @@ impl BoundaryStudy {
             ("bent degenerate".to_owned(), self.bent_degenerate()),
             ("bent critical".to_owned(), Vec::from_iter(self.bent_critical)),
         ];
-        let curves = before.into_iter().chain(folds).chain(azimuthal).chain(bent).chain(after).chain(bent_after);
+        let curves = before.chain(folds).chain(azimuthal).chain(bent).chain(after).chain(bent_after);
         curves.flat_map(|(name, points)| points.into_iter().map(move |point| (name.clone(), point))).collect()
     }
 }

@@ -9,7 +9,6 @@ use furrow_figures::plot;
 use furrow_formats::surface::SurfaceGrid;
 use furrow_mechanics::cortex::Wall;
 use furrow_mechanics::division::{DivisionInput, Trajectory};
-use furrow_mechanics::equilibria::curves::Curve;
 
 const LONG: &str = "tension:gradient,amplitude=0.3+kappa:band,u0=0.465,omega=0.0577,amplitude=0.1";
 
@@ -314,7 +313,7 @@ fn boundary(cue: &str, parameter: &str) -> String {
         cell,
         parameter,
         range: [0.1, 0.4],
-        pitchfork: Curve::default(),
+        pitchforks: Vec::new(),
         folds: Vec::new(),
         cusps: Vec::new(),
         critical: None,

@@ -223,13 +223,21 @@ fn bounds(parameter: Parameter, point: &CurvePoint) -> bool {
 }
 
 /// The answer of [`critical_value`] without a search, from curves over a range that were computed with the cell's
-/// activity: the point where the first of them passes it, if it does so once.
+/// activity: where they [pass](passage) it.
 pub fn value_on(curves: &BoundaryCurves, parameter: Parameter) -> Option<(BoundaryKind, CurvePoint)> {
-    let (kind, curve) = match &curves.pitchfork {
-        Some(curve) => (BoundaryKind::Pitchfork, curve),
-        None => (BoundaryKind::CuedFold, curves.folds.first()?),
+    passage(curves).filter(|(_, point)| bounds(parameter, point))
+}
+
+/// The point where the only curve of pitchforks, or the first of folds, passes the activity that it was computed with, if it does so
+/// once.
+pub fn passage(curves: &BoundaryCurves) -> Option<(BoundaryKind, CurvePoint)> {
+    let (kind, curve) = match &curves.pitchforks[..] {
+        [curve] => (BoundaryKind::Pitchfork, curve),
+        [] => (BoundaryKind::CuedFold, curves.folds.first()?),
+        // Only parts of them are of first pitchforks.
+        _ => return None,
     };
-    curve.at_activity.filter(|point| bounds(parameter, point)).map(|point| (kind, point))
+    curve.at_activity.map(|point| (kind, point))
 }
 
 /// The value of `parameter` that bounds the division of a cell at its activity ξ_s: at the first pitchfork if the cell

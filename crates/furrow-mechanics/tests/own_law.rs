@@ -88,7 +88,7 @@ fn thresholds_branches_and_curves_of_the_papers_law_as_text() {
     let cells = [Cell::new(1.9), Cell::new(1.9).with_law(paper())];
     let curves = |cell: &Cell| boundary_and_folds(cell, &numerics, Parameter::R0, [1.9, 2.0], None).unwrap();
     let [built_in, own] = cells.each_ref().map(curves);
-    let pairs = own.pitchfork.iter().chain(&own.folds).zip(built_in.pitchfork.iter().chain(&built_in.folds));
+    let pairs = own.pitchforks.iter().chain(&own.folds).zip(built_in.pitchforks.iter().chain(&built_in.folds));
     let mut seen = 0;
     for (own, built_in) in pairs {
         let [own, built_in] = [own, built_in].map(|curve| *curve.points.last().unwrap());

@@ -20,7 +20,8 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
     let (mut canvas, top) = titled(WIDTH, CHART, &title, &legend(of));
     let bent = || of.bent.iter().flatten().map(|(_, curve)| curve);
     let others = || of.folds.iter().chain(of.azimuthal.iter().flatten().map(|(_, curve)| curve)).chain(bent());
-    let points = || of.pitchfork.points.iter().chain(others().flat_map(|curve| &curve.points));
+    let points =
+        || of.pitchforks.iter().flat_map(|curve| &curve.points).chain(others().flat_map(|curve| &curve.points));
     let place = |point: &CurvePoint| [point.value, point.xi_s];
     let bent_critical = of.bent_critical.as_ref().map(place);
     let critical: Vec<[f64; 2]> = bent_critical.into_iter().chain(of.critical.as_ref().map(place)).collect();
@@ -40,7 +41,7 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
             chart.line(piece.iter().map(place), Stroke::dashed(bent_colour(name), style::CURVE, dash));
         }
     }
-    for (kind, piece) in by_criticality(&of.pitchfork) {
+    for (kind, piece) in of.pitchforks.iter().flat_map(by_criticality) {
         let dash = (kind == Some(Criticality::Subcritical)).then_some(style::DOTTED);
         chart.line(piece.iter().map(place), Stroke { colour: PITCHFORK, width: style::CURVE + 0.4, dash });
     }
@@ -48,7 +49,8 @@ pub fn draw(of: &BoundaryStudy) -> Canvas {
         of.bent.iter().flatten().flat_map(|(name, curve)| {
             curve.degenerate.iter().map(|point| (place(point), Marker::Ring, bent_colour(name)))
         });
-    let rings = of.pitchfork.degenerate.iter().map(|point| (place(point), Marker::Ring, PITCHFORK));
+    let rings =
+        of.pitchforks.iter().flat_map(|curve| &curve.degenerate).map(|point| (place(point), Marker::Ring, PITCHFORK));
     let cusps = of.cusps.iter().map(|point| (place(point), Marker::Diamond, FOLD));
     let triangles = critical.iter().map(|at| (*at, Marker::Triangle, style::ASYMMETRIC));
     let marks: Vec<Mark> = bent_rings.chain(rings).chain(cusps).chain(triangles).collect();
@@ -95,10 +97,11 @@ impl Legend {
 }
 
 fn legend(of: &BoundaryStudy) -> Legend {
-    let is = |kind: Criticality| of.pitchfork.points.iter().any(|point| point.criticality() == Some(kind));
+    let pitchforks = || of.pitchforks.iter().flat_map(|curve| &curve.points);
+    let is = |kind: Criticality| pitchforks().any(|point| point.criticality() == Some(kind));
     let critical = Key::Point(style::ASYMMETRIC, Marker::Triangle);
     let bent = of.bent.iter().flatten().map(|(_, curve)| curve);
-    let changes = bent.chain([&of.pitchfork]).any(|curve| !curve.degenerate.is_empty());
+    let changes = bent.chain(&of.pitchforks).any(|curve| !curve.degenerate.is_empty());
     Legend::default()
         .with_if(is(Criticality::Supercritical), Key::Line(PITCHFORK), "pitchfork, supercritical")
         .with_if(is(Criticality::Subcritical), Key::Dashes(PITCHFORK, style::DOTTED), "subcritical")

@@ -123,6 +123,7 @@ fn marks(chart: &mut Chart<'_>, diagram: &PhaseDiagram, edges: &Edges) -> Vec<[f
                 Edge::Pitchfork { .. } => (edges.pitchforks.is_empty(), Marker::Disc, PITCHFORK),
                 Edge::BentPitchfork { .. } => (edges.bent.is_empty(), Marker::Disc, PITCHFORK),
                 Edge::BentFold { .. } => (edges.bent.is_empty(), Marker::Diamond, FOLD),
+                Edge::Hopf { .. } => (true, Marker::Ring, style::INK),
                 _ => (edges.folds.is_empty(), Marker::Diamond, FOLD),
             };
             // A known curve shows the edges of every column.
@@ -145,16 +146,18 @@ fn outcome(outcome: PhaseOutcome) -> Option<Outcome> {
 }
 
 fn legend(diagram: &PhaseDiagram, edges: &Edges) -> Legend {
-    let edge = |pitchfork: bool| {
-        diagram.columns.iter().flat_map(|c| &c.edges).any(|e| matches!(e, Edge::Pitchfork { .. }) == pitchfork)
-    };
+    let edge = |is_it: fn(&Edge) -> bool| diagram.columns.iter().flat_map(|column| &column.edges).any(is_it);
+    let is_pitchfork = |edge: &Edge| matches!(edge, Edge::Pitchfork { .. });
+    let is_hopf = |edge: &Edge| matches!(edge, Edge::Hopf { .. });
+    let is_fold = |edge: &Edge| !matches!(edge, Edge::Pitchfork { .. } | Edge::Hopf { .. });
     let (pitchforks, folds) = (!edges.pitchforks.is_empty(), !edges.folds.is_empty());
     Legend::default()
         .with_tiles(|tile| diagram.cells.iter().any(|cell| outcome(cell.outcome) == tile))
         .with_if(pitchforks, Key::Line(PITCHFORK), "pitchfork")
-        .with_if(!pitchforks && edge(true), Key::Point(PITCHFORK, Marker::Disc), "pitchfork")
+        .with_if(!pitchforks && edge(is_pitchfork), Key::Point(PITCHFORK, Marker::Disc), "pitchfork")
         .with_if(folds, Key::Line(FOLD), "fold")
-        .with_if(!folds && edge(false), Key::Point(FOLD, Marker::Diamond), "fold")
+        .with_if(!folds && edge(is_fold), Key::Point(FOLD, Marker::Diamond), "fold")
+        .with_if(edge(is_hopf), Key::Point(style::INK, Marker::Ring), "Hopf point")
         .with_azimuthal(&edges.azimuthal)
         .with_bent(&edges.bent)
 }

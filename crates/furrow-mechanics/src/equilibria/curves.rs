@@ -55,7 +55,7 @@ pub enum CurveEnd {
     /// At the given value.
     #[default]
     Reached,
-    /// It turned back in its parameter, at a cusp where two folds meet.
+    /// It turned back in its parameter, at a cusp where two folds meet, or where two pitchforks do.
     Cusp(CurvePoint),
     /// It could not be followed further.
     Stopped(ShapeError),
@@ -264,23 +264,21 @@ pub(crate) fn lost(kind: PointKind, parameter: Parameter, value: f64) -> impl Fn
 /// # Errors
 /// [`ShapeError`]; `Curve` if the curve ends on the way, `NoPitchfork` if the cell's cue breaks the symmetry.
 pub fn pitchfork_curve(cell: &Cell, numerics: &Numerics, parameter: Parameter, [from, to]: [f64; 2]) -> Result<Curve> {
-    first_pitchforks(cell, numerics, parameter, [from, to], None)
-}
-
-/// As [`pitchfork_curve`], with an activity to record.
-fn first_pitchforks(
-    cell: &Cell,
-    numerics: &Numerics,
-    parameter: Parameter,
-    [from, to]: [f64; 2],
-    activity: Option<f64>,
-) -> Result<Curve> {
     let cell = at_value(cell, parameter, from);
     let first = pitchfork::first(&cell, numerics, &BranchOptions::default())?;
-    follow_pitchfork(&cell, &first, parameter, to, activity)
+    let curve = follow_pitchfork(&cell, &first, parameter, to, None)?;
+    match curve.ended {
+        CurveEnd::Reached => Ok(curve),
+        CurveEnd::Stopped(error) => Err(error),
+        CurveEnd::Cusp(CurvePoint { value, .. }) => {
+            let turned = CurveError::NotReached { steps: curve.points.len(), reached: value };
+            Err(lost(PointKind::Pitchfork, parameter, to)(turned))
+        }
+    }
 }
 
-/// Follows the curve through a pitchfork of a cell until the parameter reaches `to`.
+/// Follows the curve through a pitchfork of a cell until the parameter reaches `to`, the curve turns back, or continuation fails. The
+/// passage through `activity` is recorded.
 fn follow_pitchfork(
     cell: &Cell,
     first: &Pitchfork,
@@ -291,11 +289,16 @@ fn follow_pitchfork(
     let lost = lost(PointKind::Pitchfork, parameter, to);
     let mut curve = through_pitchfork(cell, first, parameter, to > parameter.get(cell)).map_err(&lost)?;
     let mut found = Curve { points: vec![curve_point(&curve, Some(first.coefficient))], ..Curve::default() };
+    let direction = curve.tangent.scalars[SECOND].signum();
     let mut before = [found.points[0].value, first.coefficient];
-    let mut failure = None;
+    let (mut failure, mut turned) = (None, false);
     let mut passage = activity.map(|xi_s| Passage::of(xi_s, &curve));
     let followed = curve.follow_to(SECOND, to, MOST_STEPS, |curve, report| {
         passage.iter_mut().for_each(|passage| passage.take_in(curve));
+        turned = curve.tangent.scalars[SECOND] * direction < 0.0;
+        if turned {
+            return false;
+        }
         match pitchfork_point(curve, report) {
             Ok((point, c)) => {
                 let now = [point.value, c];
@@ -309,11 +312,59 @@ fn follow_pitchfork(
         }
         failure.is_none()
     });
-    followed.map_err(|error| lost(failure.map_or(error, CurveError::Start)))?;
-    let passed = passage.and_then(Passage::solve);
-    found.at_activity = passed.and_then(|(mut curve, report)| Some(pitchfork_point(&mut curve, &report).ok()?.0));
     found.iterations = curve.work.iterations;
+    found.ended = match followed {
+        Ok(()) => CurveEnd::Reached,
+        Err(_) if turned => {
+            if let Some(y) = curve.turning_point(SECOND) {
+                curve.solution = y;
+            }
+            CurveEnd::Cusp(curve_point(&curve, None))
+        }
+        Err(error) => CurveEnd::Stopped(lost(failure.map_or(error, CurveError::Start))),
+    };
+    let passed = passage.filter(|_| found.ended == CurveEnd::Reached).and_then(Passage::solve);
+    found.at_activity = passed.and_then(|(mut curve, report)| Some(pitchfork_point(&mut curve, &report).ok()?.0));
     Ok(found)
+}
+
+/// The curves through the first pitchforks at some values of a parameter, over a range of it. The first pitchfork may lie on several
+/// curves: where two pitchforks meet, both end, and a later one is the first.
+fn pitchfork_curves<'p>(
+    cell: &Cell,
+    parameter: Parameter,
+    [from, to]: [f64; 2],
+    activity: Option<f64>,
+    firsts: impl IntoIterator<Item = (f64, &'p Pitchfork)>,
+) -> Vec<Curve> {
+    let mut curves: Vec<Curve> = Vec::new();
+    for (value, first) in firsts {
+        if curves.iter().any(|curve| curve.passes(value, &first.point)) {
+            continue;
+        }
+        let cell = at_value(cell, parameter, value);
+        let follow = |end: f64, activity: Option<f64>| {
+            (value != end).then(|| follow_pitchfork(&cell, first, parameter, end, activity).ok()).flatten()
+        };
+        let activity = activity.filter(|_| value == from);
+        curves.extend(joined(follow(from, None), follow(to, activity)));
+    }
+    curves
+}
+
+/// One curve of two that begin at the same point: the first one backwards, then the second.
+fn joined(backwards: Option<Curve>, forwards: Option<Curve>) -> Option<Curve> {
+    let Some(mut curve) = backwards else { return forwards };
+    let forwards = forwards.unwrap_or_else(|| Curve { points: vec![curve.points[0]], ..Curve::default() });
+    curve.points.reverse();
+    curve.points.extend(forwards.points.into_iter().skip(1));
+    curve.degenerate.extend(forwards.degenerate);
+    curve.iterations += forwards.iterations;
+    // Of two ends that are not those of the range, the second is given.
+    if forwards.ended != CurveEnd::Reached {
+        curve.ended = forwards.ended;
+    }
+    Some(curve)
 }
 
 /// The point between two values of the parameter where the coefficient vanishes, by the Illinois method.
@@ -405,29 +456,32 @@ fn fold_curves(cell: &Cell, branches: [&Branch; 2], parameter: Parameter, range:
     Ok(curves)
 }
 
-/// Number of values within a range where folds are looked for, beside both ends.
+/// Number of values within a range where folds and first pitchforks are looked for, beside both ends.
 const INNER: usize = 7;
 /// Largest relative distance of ξ_s at which a curve counts as passing through a fold.
 const PASSES: f64 = 1e-3;
 /// The same for the elongation.
 const PASSES_BY: f64 = 0.02;
 
+/// Values within a range, from its beginning on.
+fn inner([from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
+    (1..=INNER).map(move |k| from + (to - from) * k as f64 / (INNER + 1) as f64)
+}
+
 /// Adds the curves through folds within the range, where no curve from its ends passes: between two cusps there are folds that
-/// neither end has. Each is followed in both directions. `folds` finds the folds of a cell.
+/// neither end has. Each is followed in both directions. `folds` are those of cells at some values.
 fn add_inner(
     curves: &mut Vec<Curve>,
     cell: &Cell,
     parameter: Parameter,
-    [from, to]: [f64; 2],
-    folds: impl Fn(&Cell) -> Vec<FoldPoint>,
+    range: [f64; 2],
+    folds: impl Iterator<Item = (f64, Vec<FoldPoint>)>,
 ) {
-    for k in 1..=INNER {
-        let value = from + (to - from) * k as f64 / (INNER + 1) as f64;
+    for (value, folds) in folds {
         let cell = at_value(cell, parameter, value);
-        for fold in folds(&cell) {
+        for fold in folds {
             if !curves.iter().any(|curve| curve.passes(value, &fold.point)) {
-                let both = [from, to].into_iter();
-                curves.extend(both.filter_map(|end| fold_curve(&cell, &fold, parameter, end, None).ok()));
+                curves.extend(range.iter().filter_map(|end| fold_curve(&cell, &fold, parameter, *end, None).ok()));
             }
         }
     }
@@ -436,8 +490,8 @@ fn add_inner(
 /// The curves that bound outcomes over a range of a parameter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoundaryCurves {
-    /// The curve of the first pitchfork of a cell that is mirror-symmetric for every value of the parameter.
-    pub pitchfork: Option<Curve>,
+    /// The curves through the first pitchforks of a cell that is mirror-symmetric for every value of the parameter.
+    pub pitchforks: Vec<Curve>,
     /// All folds of the primary branches of such a cell; for other cells, the fold that ends the stable shapes.
     pub folds: Vec<Curve>,
 }
@@ -459,36 +513,29 @@ pub fn boundary_and_folds(
         let at_ends = boundary_curves(cell, numerics, parameter, range, activity);
         let mut folds = at_ends.as_ref().map_or(Vec::new(), |found| found.folds.clone());
         // Only the fold that ends the stable shapes bounds division.
-        let failure =
-            |cell: &Cell| primary::failure_fold(cell, numerics, &StepBudget::unlimited()).into_iter().collect();
-        add_inner(&mut folds, cell, parameter, range, failure);
-        return if folds.is_empty() { at_ends } else { Ok(BoundaryCurves { pitchfork: None, folds }) };
+        let failure = |value: f64| {
+            let fold = primary::failure_fold(&at_value(cell, parameter, value), numerics, &StepBudget::unlimited());
+            (value, fold.into_iter().collect())
+        };
+        add_inner(&mut folds, cell, parameter, range, inner(range).map(failure));
+        return if folds.is_empty() { at_ends } else { Ok(BoundaryCurves { folds, ..BoundaryCurves::default() }) };
     }
-    let to = range[1];
     let [at_from, at_to] = range.map(|value| at_value(cell, parameter, value));
-    let first = pitchfork::branch_beyond(&at_from, numerics)?;
-    let follow = |at: &Pitchfork| follow_pitchfork(&at_from, at, parameter, to, activity);
-    let mut missing = None;
-    let pitchfork = match first.pitchforks().next().map(follow) {
-        Some(Ok(curve)) => Some(curve),
-        _ => match boundary_curves(cell, numerics, parameter, range, activity) {
-            // The folds remain an answer.
-            Err(error @ ShapeError::NoEnd { .. }) => {
-                missing = Some(error);
-                None
-            }
-            found => found?.pitchfork,
-        },
-    };
-    // Only its folds are used.
-    let options = BranchOptions { pitchforks: 0, ..BranchOptions::default() };
+    let options = BranchOptions { pitchforks: 1, ..BranchOptions::default() };
     let branch = |cell: &Cell| primary::follow(cell, numerics, &options, |_| true);
-    let mut folds = fold_curves(cell, [&first, &branch(&at_to)?], parameter, range)?;
-    let all = |cell: &Cell| branch(cell).map_or(Vec::new(), |branch| branch.folds().cloned().collect());
-    add_inner(&mut folds, cell, parameter, range, all);
-    match missing {
-        Some(error) if folds.is_empty() => Err(error),
-        _ => Ok(BoundaryCurves { pitchfork, folds }),
+    let ends = [pitchfork::branch_beyond(&at_from, numerics)?, branch(&at_to)?];
+    let within = |value: f64| Some((value, branch(&at_value(cell, parameter, value)).ok()?));
+    let within: Vec<(f64, Branch)> = inner(range).filter_map(within).collect();
+    let all = range.into_iter().zip(&ends).chain(within.iter().map(|(value, branch)| (*value, branch)));
+    let firsts = all.filter_map(|(value, branch)| Some((value, branch.pitchforks().next()?)));
+    let pitchforks = pitchfork_curves(cell, parameter, range, activity, firsts);
+    let mut folds = fold_curves(cell, ends.each_ref(), parameter, range)?;
+    let folds_within = within.iter().map(|(value, branch)| (*value, branch.folds().cloned().collect()));
+    add_inner(&mut folds, cell, parameter, range, folds_within);
+    match pitchforks.is_empty() && folds.is_empty() {
+        // The reason why there is no pitchfork.
+        true => boundary_curves(cell, numerics, parameter, range, activity),
+        false => Ok(BoundaryCurves { pitchforks, folds }),
     }
 }
 
@@ -502,10 +549,10 @@ fn no_end(error: ShapeError, parameter: Parameter, to: f64) -> ShapeError {
     }
 }
 
-/// The curves that bound division of a cell over a range of a parameter: the curve of its first pitchfork if it is
-/// mirror-symmetric for every value of the parameter, else the curve of the fold that ends its stable shapes. If this
-/// point is not found at one end of the range, the curve is followed from the other end; if the curve of folds ends on
-/// the way, for example in a cusp, a second curve is followed from the other end. If `activity` is given,
+/// The curves that bound division of a cell over a range of a parameter: the curves of its first pitchfork if it is
+/// mirror-symmetric for every value of the parameter, looked for at both ends and in the middle, else the curve of the
+/// fold that ends its stable shapes. If this point is not found at one end of the range, the curve is followed from the
+/// other end; if the curve of folds ends on the way, for example in a cusp, a second curve is followed from there. If `activity` is given,
 /// [`Curve::at_activity`] of a curve from the first end is its passage through it; a curve from the other end has none
 /// recorded.
 ///
@@ -520,14 +567,16 @@ pub fn boundary_curves(
 ) -> Result<BoundaryCurves> {
     refuse_par(cell, PointKind::Fold)?;
     if domain_along(cell, parameter) == Domain::Half {
-        let forwards = first_pitchforks(cell, numerics, parameter, [from, to], activity);
-        let curve = forwards.or_else(|error| {
-            let backwards = pitchfork_curve(cell, numerics, parameter, [to, from]);
-            let mut curve = backwards.map_err(|_| no_end(error, parameter, to))?;
-            curve.points.reverse();
-            Ok(curve)
-        })?;
-        return Ok(BoundaryCurves { pitchfork: Some(curve), folds: Vec::new() });
+        let first =
+            |value: f64| pitchfork::first(&at_value(cell, parameter, value), numerics, &BranchOptions::default());
+        let values = [from, to, 0.5 * (from + to)];
+        let found = values.map(first);
+        let firsts = values.into_iter().zip(&found).filter_map(|(value, first)| Some((value, first.as_ref().ok()?)));
+        let pitchforks = pitchfork_curves(cell, parameter, [from, to], activity, firsts);
+        return match (pitchforks.is_empty(), found) {
+            (true, [Err(error), ..]) => Err(no_end(error, parameter, to)),
+            _ => Ok(BoundaryCurves { pitchforks, folds: Vec::new() }),
+        };
     }
     let curve = |from: f64, to: f64, activity: Option<f64>| {
         let cell = at_value(cell, parameter, from);
@@ -536,12 +585,13 @@ pub fn boundary_curves(
     };
     let forwards = curve(from, to, activity);
     if let Ok(Curve { ended: CurveEnd::Reached, .. }) = forwards {
-        return Ok(BoundaryCurves { pitchfork: None, folds: vec![forwards?] });
+        return Ok(BoundaryCurves { folds: vec![forwards?], ..BoundaryCurves::default() });
     }
     match (forwards, curve(to, from, None)) {
         (Err(error), Err(_)) => Err(no_end(error, parameter, to)),
         (forwards, backwards) => {
-            Ok(BoundaryCurves { pitchfork: None, folds: forwards.into_iter().chain(backwards).collect() })
+            let folds = forwards.into_iter().chain(backwards).collect();
+            Ok(BoundaryCurves { folds, ..BoundaryCurves::default() })
         }
     }
 }

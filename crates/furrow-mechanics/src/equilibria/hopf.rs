@@ -58,7 +58,8 @@ impl RatesAlong {
         if let (Some((from, then, before)), Some(now)) = (&self.before, now)
             && *then == passed
         {
-            self.hopf.extend(hopf_between(self.rates.cortex(), [from, &y], [before.rate, now.rate]));
+            let found = hopf_between(self.rates.cortex(), [from, &y], [before.rate, now.rate]);
+            self.hopf.extend(found.map(|hopf| HopfPoint { point: ShapePoint { passed, ..hopf.point }, ..hopf }));
         }
         match shape {
             Shape::Point => self.found.push(now.map(|now| now.rate)),

@@ -89,7 +89,7 @@ mod tests {
         assert_eq!(value_on(&unasked, Parameter::R0), None);
         // If ξ_s rises with R0, smaller cells have no stable shape.
         let mut rising = along(&cell, Parameter::R0, [1.6, 1.9]);
-        for point in rising.pitchfork.iter_mut().flat_map(|curve| &mut curve.at_activity) {
+        for point in rising.pitchforks.iter_mut().flat_map(|curve| &mut curve.at_activity) {
             point.slope = -point.slope;
         }
         assert_eq!(value_on(&rising, Parameter::R0), None);
