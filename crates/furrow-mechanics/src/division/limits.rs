@@ -28,7 +28,8 @@ pub const TAKEN_AWAY: f64 = 0.02;
 const COLLAPSED: f64 = 100.0;
 
 /// Steps after which a cell is given up: cells that divide, rest or oscillate take some hundreds with the preset's
-/// numerics, and proportionally more with shorter steps. The number of fixed steps is not limited.
+/// numerics, and proportionally more with shorter steps. A step on a mesh twice as fine as the numerics' counts as two. The number of
+/// fixed steps is not limited.
 pub fn most_steps(numerics: &Numerics) -> usize {
     let Numerics { scheme, step_factor, time_tolerance, .. } = *numerics;
     match scheme {

@@ -205,6 +205,8 @@ struct Run {
     /// Sustained noise.
     noise: Option<Noise>,
     steps: usize,
+    /// Steps on a mesh that has grown count several times in the step budget.
+    spent: f64,
     rejected: usize,
     detector: EquilibriumDetector,
     drift: f64,
@@ -413,7 +415,8 @@ impl Run {
         if let Some(period) = self.oscillation.note(newest.t, newest.y.scalars[LENGTH]) {
             return Err(DivisionError::Oscillates { r0, period });
         }
-        if self.steps > limits::most_steps(numerics) {
+        self.spent += (newest.y.intervals() as f64 / numerics.intervals as f64).max(1.0);
+        if self.spent > limits::most_steps(numerics) as f64 {
             let advice = advice_on_motion(&stepper.cortex.cell.cue);
             return Err(DivisionError::Restless { r0, t: newest.t, steps: self.steps, advice });
         }
