@@ -98,8 +98,8 @@ pub struct Continuation<P> {
     pub(super) conditions: Vec<LinearCondition>,
     pub(super) trial: Solution,
     tangent: Direction,
-    /// The approximate second null vector at the newest point, if a tolerance is set.
-    pub(super) null: Direction,
+    /// The response of the newest point to a disturbance, if a tolerance is set.
+    pub(super) response: Direction,
     weight: Vec<f64>,
     /// The branch point that the last step has passed, from its detection.
     pub(crate) passed: Option<PassedBranchPoint>,
@@ -176,7 +176,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         Continuation {
             trial: state.solution.clone(),
             tangent: Direction::default(),
-            null: Direction::default(),
+            response: Direction::default(),
             problem,
             system,
             settings,
@@ -445,8 +445,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let (gauss, from) = (&self.system.gauss, &self.state.solution.mesh);
         metric::transfer_direction(gauss, from, grid, &mut self.state.tangent);
         self.metric.normalise(grid, &mut self.state.tangent);
-        if self.null.check(&self.state.solution).is_ok() {
-            metric::transfer_direction(gauss, from, grid, &mut self.null);
+        if self.response.check(&self.state.solution).is_ok() {
+            metric::transfer_direction(gauss, from, grid, &mut self.response);
         }
         if let Some(PassedBranchPoint { solution, basis, unfolded }) = &mut self.passed {
             basis.iter_mut().for_each(|direction| metric::transfer_direction(gauss, from, grid, direction));

@@ -2,7 +2,7 @@
 
 use crate::dense::PivotFailure;
 use crate::dimensions::Dimensions;
-use crate::invalid::{self, InvalidInput};
+use crate::invalid::{self, InvalidInput, short};
 use crate::linear::FactorisationError;
 use crate::metric::Metric;
 use crate::newton::{BUDGET, Interrupt, Newton, NewtonError, Stop};
@@ -118,11 +118,6 @@ impl From<InvalidInput> for StepFailure {
     fn from(input: InvalidInput) -> Self {
         NewtonError::Invalid(input).into()
     }
-}
-
-/// A number of a message, rounded to seven digits: later digits are noise to its reader.
-pub(crate) fn short(number: f64) -> f64 {
-    format!("{number:.6e}").parse().unwrap_or(number)
 }
 
 /// Why a continuation failed.
