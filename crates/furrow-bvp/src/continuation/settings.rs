@@ -100,6 +100,9 @@ pub enum StepFailure {
     /// The point found is not on the branch the step set out from.
     #[error("the step leads to another branch")]
     OtherBranch,
+    /// The point found is none, see [`BoundaryValueProblem::is_degenerate`](crate::BoundaryValueProblem::is_degenerate).
+    #[error("solutions degenerate")]
+    Degenerate,
     /// There is no tangent: the system bordered by the plane condition is singular.
     #[error("the Jacobian is singular (pivot {})", .0.column)]
     Singular(PivotFailure),
@@ -134,6 +137,14 @@ pub enum ContinuationError {
         parameter: f64,
         /// Error of the solver.
         source: NewtonError,
+    },
+    /// Solutions degenerate at the start or in the step after the last point, as a cycle that shrinks to an equilibrium.
+    #[error("the solution degenerates at parameter {} after arclength {}: a cycle is an equilibrium there", short(*parameter), short(*arclength))]
+    Degenerate {
+        /// Value of λ at the last point.
+        parameter: f64,
+        /// Arclength of the last point.
+        arclength: f64,
     },
     /// The corrector fails for the smallest step.
     #[error("the branch is lost at parameter {} after arclength {}: {source}", short(*parameter), short(*arclength))]
