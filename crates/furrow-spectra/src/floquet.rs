@@ -23,8 +23,10 @@ pub struct Multipliers {
 /// The matrix is no monodromy matrix, which is square and has finite entries, or matrices are no transitions of equal size, or the
 /// iteration for their eigenvalues does not converge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no multipliers of {entries} entries: monodromy and transition matrices are square, of one size and finite, \
-    with eigenvalues that QR iterations find")]
+#[error(
+    "no multipliers of {entries} entries: monodromy and transition matrices are square, of one size and finite, \
+    with eigenvalues that QR iterations find"
+)]
 pub struct NoMultipliers {
     /// Entries of the matrix.
     pub entries: usize,

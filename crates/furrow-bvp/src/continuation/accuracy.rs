@@ -38,9 +38,9 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         largest(&mesh::defect(&self.system.gauss, &mut self.problem, &self.state.solution))
     }
 
-    /// The largest defect of the newest point; and for every interval the largest of point, tangent and response, the
-    /// last two scaled to the tolerance of the point.
-    fn defects(&mut self, tolerance: f64) -> (f64, Vec<f64>) {
+    /// The largest defect of the newest point; and for every interval that of the point alone, or the largest of point, tangent and
+    /// response, the last two scaled to the tolerance of the point.
+    fn defects(&mut self, tolerance: f64, alone: bool) -> (f64, Vec<f64>) {
         let Continuation { problem, system, state, response, .. } = self;
         let (gauss, y) = (&system.gauss, &state.solution);
         let mut defects = mesh::defect(gauss, problem, y);
@@ -49,7 +49,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let scale = tolerance / tolerance.min(1.0).powf((m + 1.0) / (2.0 * m));
         for (direction, disturbed) in [(&state.tangent, 0.0), (&*response, 1.0)] {
             let size = direction.norm(y);
-            if direction.check(y).is_ok() && size > 0.0 && size.is_finite() {
+            if !alone && direction.check(y).is_ok() && size > 0.0 && size.is_finite() {
                 let of_direction = mesh::direction_defect(gauss, problem, y, (direction, disturbed));
                 defects.iter_mut().zip(of_direction).for_each(|(all, one)| *all = all.max(scale * one));
             }
@@ -103,8 +103,9 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     pub(super) fn refine(&mut self, tolerance: f64, fixed: Fixed) -> Result<f64, ContinuationError> {
         let limit = self.settings.max_intervals;
         let mut refinement = mesh::Refinement::new(tolerance, limit);
+        let mut alone = false;
         loop {
-            let (defect, defects) = self.defects(tolerance);
+            let (defect, defects) = self.defects(tolerance, alone);
             if largest(&defects) <= tolerance {
                 return Ok(defect);
             }
@@ -113,6 +114,11 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                 if defect <= tolerance {
                     // As well as the mesh allows for its directions.
                     return Ok(defect);
+                }
+                if !alone {
+                    // The intervals may still do for the point.
+                    (alone, refinement) = (true, mesh::Refinement::new(tolerance, limit));
+                    continue;
                 }
                 let parameter = self.state.parameter();
                 return Err(ContinuationError::MeshLimit { limit, parameter, defect, tolerance });
@@ -127,7 +133,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         if self.response.check(&self.state.solution).is_err() && self.factorise_newest().is_ok() {
             self.update_test_values();
         }
-        let (_, defects) = self.defects(tolerance);
+        let (_, defects) = self.defects(tolerance, false);
         let y = &self.state.solution;
         let intervals = y.intervals();
         let needed = mesh::intervals_for(&y.mesh, &defects, y.m, tolerance).max(FEWEST);

@@ -254,7 +254,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// One step on the mesh as it is.
     pub(super) fn step(&mut self) -> Result<Advance, ContinuationError> {
         let mut step = self.state.step.min(self.settings.max_step);
-        let mut rejected = 0;
+        let (mut rejected, mut degenerate) = (0, 0);
         (self.passed, self.on_other_branch) = (None, false);
         if self.state.orientation == 0.0 && self.state.points > 1 && self.factorise_newest().is_ok() {
             // After a change of the number of intervals. A branch point in this step would not show.
@@ -265,18 +265,22 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                 Ok(attempt) => return Ok(self.accept(step, attempt, rejected)),
                 Err(failure) => failure,
             };
-            rejected += 1;
-            let degenerate = source == StepFailure::Degenerate && rejected == STEPS_TO_DEGENERATE;
-            if degenerate || matches!(source, StepFailure::Newton(NewtonError::Stopped { .. })) {
+            if matches!(source, StepFailure::Newton(NewtonError::Stopped { .. })) {
                 return Err(self.lost(self.state.parameter(), source));
             }
+            rejected += 1;
+            degenerate += usize::from(source == StepFailure::Degenerate);
             step *= SHORTER;
             if rejected == REJECTIONS_BEFORE_EXACT_TANGENT {
                 // The tangent was computed with the corrector's factors at a prediction. If it is too inaccurate, no step is short
                 // enough. Without an exact tangent the step is shortened further.
                 let _ = self.exact_tangent();
             }
-            if step < self.settings.min_step.max(f64::MIN_POSITIVE) {
+            let ended = step < self.settings.min_step.max(f64::MIN_POSITIVE);
+            if degenerate == STEPS_TO_DEGENERATE || (ended && degenerate > 0) {
+                return Err(self.lost(self.state.parameter(), StepFailure::Degenerate));
+            }
+            if ended {
                 return Err(self.lost(self.state.parameter(), source));
             }
         }

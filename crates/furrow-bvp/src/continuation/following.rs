@@ -61,11 +61,11 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         }
         self.state.solution = y;
         self.exact_tangent().map_err(|failure| self.lost(value, failure.into()))?;
-        self.update_test_values();
         // The points before stay, so that what lies between them and the new one can still be located.
         self.state.history.replace_newest(self.state.arclength, &self.state.solution);
         self.problem.accepted(&self.state.solution);
         if let Some(tolerance) = self.settings.tolerance {
+            self.update_test_values();
             self.refine(tolerance, Fixed::Parameter(value))?;
         }
         Ok(())

@@ -166,7 +166,7 @@ pub enum ContinuationError {
         /// Arclength of the last point.
         arclength: f64,
     },
-    /// The accuracy asked for would need more intervals than allowed.
+    /// The accuracy asked for would need more intervals than allowed, or narrower ones than numbers can tell apart.
     #[error(
         "the limit of {limit} intervals is reached at parameter {} with a defect of {defect:.3e}, \
          the tolerance is {tolerance:.3e}",
