@@ -8,9 +8,9 @@
 use crate::bifurcation::{AugmentedReport, MinimallyAugmented, SingularError, Singularity};
 use crate::bracket::Bracket;
 use crate::continuation::predictor::History;
-use crate::continuation::{MeshMonitor, SHORTER, short};
+use crate::continuation::{MeshMonitor, SHORTER};
 use crate::direction::{Direction, LinearCondition};
-use crate::invalid::{self, InvalidInput};
+use crate::invalid::{self, InvalidInput, short};
 use crate::mesh;
 use crate::metric::{self, Metric};
 use crate::newton::Work;

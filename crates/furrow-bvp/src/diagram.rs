@@ -100,11 +100,11 @@ pub struct DiagramPoint {
 /// Why a branch of a diagram ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum BranchEnd {
-    /// At a bound of λ, or at the largest number of points.
+    /// At a bound of λ, at the largest number of points, or where solutions degenerate.
     Followed(Termination),
     /// At a special point, from where another branch has gone on.
     Joined(usize),
-    /// At its own start: it is closed.
+    /// At its own start: it is closed. Cycles that come back with another phase are not seen to.
     Closed,
     /// It was lost, for this reason.
     Lost(String),
@@ -273,7 +273,7 @@ impl<P: Directional + Clone, O: FnMut(&Solution) -> Vec<f64>> Run<'_, P, O> {
         let (index, mut end) = (self.found.branches.len(), None);
         let followed = branch.follow(self.settings.range, self.settings.points, |branch, advance| {
             points.push(self.point(branch));
-            if advance.passed_fold && !advance.passed_branch_point {
+            if advance.passed_fold && !advance.passed_branch_point && !branch.is_still() {
                 self.keep_fold(branch, index);
             }
             end = match advance.passed_branch_point.then(|| locate::branch_point(branch)) {

@@ -97,6 +97,12 @@ pub enum InvalidInput {
     },
 }
 
+/// A number of a message, rounded to seven digits: later digits are noise to its reader, and so are hundreds of zeros.
+pub(crate) fn short(number: f64) -> String {
+    let rounded = format!("{number:.6e}").parse().unwrap_or(number);
+    if rounded != 0.0 && rounded.abs() < 1e-4 { format!("{rounded:e}") } else { rounded.to_string() }
+}
+
 /// Refuses a number of values other than the one needed.
 pub(crate) fn length(name: &'static str, length: usize, expected: usize) -> Result<(), InvalidInput> {
     if length == expected { Ok(()) } else { Err(InvalidInput::Length { name, length, expected }) }

@@ -7,12 +7,21 @@ use crate::invalid::{self, InvalidInput};
 use crate::problem::{BoundaryValueProblem, CollocationPoints};
 use crate::solution::Solution;
 
+/// The narrowest interval, relative to the largest node.
+const NARROWEST: f64 = 64.0 * f64::EPSILON;
+
 /// Checks that nodes are a mesh: at least two, finite and increasing.
 ///
 /// # Errors
 /// [`InvalidInput::ShortMesh`] or [`InvalidInput::Mesh`].
 pub fn check(nodes: &[f64]) -> Result<(), InvalidInput> {
     invalid::mesh(nodes)
+}
+
+/// Whether all intervals are so wide that the numbers of a mesh can be told apart within them.
+pub(crate) fn is_distinct(nodes: &[f64]) -> bool {
+    let least = NARROWEST * nodes.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    check(nodes).is_ok() && nodes.windows(2).all(|x| x[1] - x[0] >= least)
 }
 
 /// n equal intervals on [from, to].
@@ -79,7 +88,7 @@ pub fn rebalanced(mesh: &[f64], weight: &[f64], above: f64) -> Option<Vec<f64>> 
     let mut grid = Vec::new();
     equidistribute(mesh, weight, weight.len(), &mut grid);
     // Where the monitor is extreme, nodes may coincide within rounding.
-    check(&grid).is_ok().then_some(grid)
+    is_distinct(&grid).then_some(grid)
 }
 
 /// Where in an interval [`defect`] is sampled: at as many places as there are stages.
@@ -153,24 +162,41 @@ pub(crate) fn missed(gauss: &Gauss, problem: &mut dyn BoundaryValueProblem, y: &
     residuals.chunks_exact(width).zip(values.chunks_exact(width)).map(of_interval).collect()
 }
 
-/// [`defect`] of a direction at `y`, of the linearised equation: |d′ − f′(u)d| · h / (1 + |u|) where |d| / (1 + |u|) is 1 at most.
+/// A disturbance g of u′ = f(u) times `scale` h at some places of every interval: as smooth as can be, and without any symmetry that
+/// would leave an eigenvector out of its response.
+pub(crate) fn disturbance(places: &[f64], y: &Solution, scale: f64) -> Vec<f64> {
+    let (from, to) = (y.mesh[0], y.mesh[y.intervals()]);
+    let at = |(k, x): (usize, f64)| {
+        let (i, length) = (k / places.len(), to - from);
+        let g = scale * (y.mesh[i + 1] - y.mesh[i]) * (0.5 + (x - from) / length) / length;
+        (0..y.components).map(move |c| (1.0 + 0.37 * c as f64) * g)
+    };
+    at_places(places, &y.mesh).into_iter().enumerate().flat_map(at).collect()
+}
+
+/// [`defect`] of a direction at `y`, of the linearised equation: |d′ − f′(u)d − g| · h / (1 + |u|) where |d| / (1 + |u|) is 1 at most.
+/// The number with the direction is the scale of the [`disturbance`] g that it responds to.
 pub(crate) fn direction_defect(
     gauss: &Gauss,
     problem: &mut dyn BoundaryValueProblem,
     y: &Solution,
-    direction: &Direction,
+    (direction, disturbed): (&Direction, f64),
 ) -> Vec<f64> {
     // Rounding and truncation are about alike.
     const SHARE: f64 = 1e-5;
+    let norm = direction.norm(y);
     let mut at = |share: f64| {
         let mut moved = y.clone();
-        direction.apply(share / direction.norm(y), &mut moved);
+        direction.apply(share / norm, &mut moved);
         residuals(&places(gauss), gauss, problem, &moved)
     };
     let sides = [SHARE, -SHARE].map(&mut at);
     problem.prepare(&y.scalars);
     let [Some([mut ahead, values]), Some([behind, _])] = sides else { return vec![f64::INFINITY; y.intervals()] };
-    ahead.iter_mut().zip(&behind).for_each(|(ahead, behind)| *ahead = (*ahead - behind) / (2.0 * SHARE));
+    let disturbance = disturbance(&places(gauss), y, disturbed / norm);
+    for (ahead, (behind, g)) in ahead.iter_mut().zip(behind.iter().zip(disturbance)) {
+        *ahead = (*ahead - behind) / (2.0 * SHARE) - g;
+    }
     largest_of_intervals(y, &ahead, &values)
 }
 

@@ -11,6 +11,9 @@ use furrow_bvp::{
 };
 
 #[cfg(feature = "auto")]
+#[path = "textbook/accuracy.rs"]
+mod accuracy;
+#[cfg(feature = "auto")]
 #[path = "textbook/algebraic.rs"]
 mod algebraic;
 #[cfg(feature = "auto")]

@@ -1,13 +1,14 @@
 //! Where cycles on a branch change their stability: folds, period doublings and tori, and the cycles of twice the period.
 //!
-//! A fold is one of the branch and is found as such. Period doublings and tori show in the multipliers at both ends of a step. Between
+//! A fold is one of the branch and is found as such. Period doublings and tori show in the multipliers at both ends of a step, where these are accurate. Between
 //! them the test function of [`CycleBifurcation`] is a smooth function of the arclength with a simple root, and the orbit at every
 //! arclength that is tried is corrected onto the branch.
 
 use furrow_bvp::continuation::{Advance, State, predictor::History};
 use furrow_bvp::{
     Auto, Continuation, ContinuationError, Direction, FactorisationError, PeriodicOrbit, SingularError, Solution,
-    VectorField, locate,
+    VectorField,
+    locate::{self, Located},
 };
 
 use crate::floquet::{Complex, CycleBifurcation, Multipliers, NoMultipliers};
@@ -148,13 +149,19 @@ pub fn multipliers<V: VectorField>(
 pub struct CycleWatch {
     /// Of the newest orbit.
     pub multipliers: Multipliers,
+    /// Changes of sign so far between orbits with inaccurate multipliers, where no orbit has those of a bifurcation: they are not reported.
+    pub unclear: usize,
 }
 
-/// Relative changes of a parameter that cannot be told from rounding.
-const STILL: f64 = 1e-11;
+/// The test of a torus also vanishes for two real multipliers μ and 1/μ. Imaginary parts below this count as real: the pairs of 1 that
+/// conservative families have are split by the root of the rounding error.
+const REAL: f64 = 1e-4;
 
-/// The test of a torus also vanishes for two real multipliers μ and 1/μ. Imaginary parts below this count as real.
-const REAL: f64 = 1e-6;
+/// Multipliers at 1 are split like the one of a shift in time, but for such a factor.
+const SPLIT: f64 = 10.0;
+
+/// Where multipliers are accurate, that of a shift in time is so near to 1, and those of a bifurcation to where they have to be.
+const NEAR: f64 = 1e-2;
 
 impl CycleWatch {
     /// At the newest orbit of a branch.
@@ -162,7 +169,7 @@ impl CycleWatch {
     /// # Errors
     /// As [`multipliers`].
     pub fn start<V: VectorField>(branch: &mut CycleBranch<V>) -> Result<CycleWatch, CycleError> {
-        Ok(CycleWatch { multipliers: multipliers(&mut branch.problem, &branch.state.solution)? })
+        Ok(CycleWatch { multipliers: multipliers(&mut branch.problem, &branch.state.solution)?, unclear: 0 })
     }
 
     /// The bifurcations between the last two orbits, after every step, in the order of their arclength. Two of a kind within one step
@@ -178,20 +185,18 @@ impl CycleWatch {
         let now = multipliers(&mut branch.problem, &branch.state.solution)?;
         let before = std::mem::replace(&mut self.multipliers, now);
         let mut points = Vec::new();
-        if advance.passed_fold && !is_still(branch) {
-            let fold = locate::last_fold(branch)?;
-            points.push(CyclePoint {
-                bifurcation: CycleBifurcation::Fold,
-                multipliers: multipliers(&mut branch.problem, &fold.solution)?,
-                solution: fold.solution,
-                arclength: fold.arclength,
-                error: fold.error,
-            });
+        if advance.passed_fold && !branch.is_still() {
+            let Located { solution, arclength, error, .. } = locate::last_fold(branch)?;
+            let multipliers = multipliers(&mut branch.problem, &solution)?;
+            let error = if multipliers.others.iter().all(|m| m.re.is_finite()) { error } else { f64::INFINITY };
+            points.push(CyclePoint { bifurcation: CycleBifurcation::Fold, solution, arclength, multipliers, error });
         }
         for bifurcation in [CycleBifurcation::PeriodDoubling, CycleBifurcation::Torus] {
             let values = [&before, &self.multipliers].map(|m| bifurcation.scaled_test(m));
             if values[0] * values[1] < 0.0 {
-                points.extend(located(branch, bifurcation, values)?);
+                let found = located(branch, bifurcation, values)?;
+                self.unclear += usize::from(found.as_ref().is_some_and(|point| !is_clear(point)));
+                points.extend(found.filter(is_clear));
             }
         }
         points.sort_by(|a, b| a.arclength.total_cmp(&b.arclength));
@@ -199,14 +204,15 @@ impl CycleWatch {
     }
 }
 
-/// Whether the parameter is the same at the last two orbits but for rounding, as in a canard explosion.
-fn is_still<V: VectorField>(branch: &CycleBranch<V>) -> bool {
-    let parameter = |k: usize| branch.state.history.back(k).and_then(|(_, y)| y.scalars.last().copied());
-    let (now, before) = (parameter(0).unwrap_or(f64::NAN), parameter(1).unwrap_or(f64::NAN));
-    (now - before).abs() < STILL * (1.0 + now.abs())
+/// Whether the multipliers of a point are those of its bifurcation. The test also changes its sign by errors, next to homoclinic orbits.
+fn is_clear(point: &CyclePoint) -> bool {
+    let Multipliers { trivial, others } = &point.multipliers;
+    let off_minus_one = |m: &Complex<f64>| (m + 1.0).norm_sqr().sqrt();
+    let off = if point.bifurcation == CycleBifurcation::PeriodDoubling { off_minus_one } else { off_circle };
+    others.iter().any(|m| off(m) < NEAR) && (trivial - 1.0).norm_sqr().sqrt() < NEAR
 }
 
-/// The root of the test between the last two orbits, where it has these values. None for a neutral saddle.
+/// The root of the test between the last two orbits, where it has these values. None for a neutral saddle, and for multipliers at 1.
 fn located<V: VectorField>(
     branch: &mut CycleBranch<V>,
     bifurcation: CycleBifurcation,
@@ -218,7 +224,8 @@ fn located<V: VectorField>(
     let lost = |parameters| CycleError::Lost { parameters };
     let Some(root) = root::between(branch, values, lost, test)? else { return Ok(None) };
     let nearest = root.found.others.iter().min_by(|a, b| off_circle(a).total_cmp(&off_circle(b)));
-    if bifurcation == CycleBifurcation::Torus && nearest.is_none_or(|m| m.im.abs() < REAL) {
+    let noise = SPLIT * (root.found.trivial - 1.0).norm_sqr().sqrt();
+    if bifurcation == CycleBifurcation::Torus && nearest.is_none_or(|m| m.im.abs() < noise.max(REAL)) {
         return Ok(None);
     }
     let error = root.error(branch, test);

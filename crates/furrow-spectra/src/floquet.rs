@@ -1,27 +1,32 @@
 //! Floquet multipliers of a periodic orbit, and the bifurcations that they show.
 //!
 //! A product of many transition matrices keeps only the largest multipliers where disturbances grow by many orders of magnitude on
-//! the way. Orthogonal eliminations of the relations Aᵢ yᵢ = Bᵢ y₀ from interval to interval keep all of them (Fairgrieve & Jepson).
+//! the way. Orthogonal eliminations of the relations Aᵢ yᵢ = Bᵢ y₀ from interval to interval keep more of them (Fairgrieve & Jepson).
 //!
 //! # References
 //! Kuznetsov, *Elements of Applied Bifurcation Theory*, 3rd ed., Springer 2004, ch. 5. Fairgrieve & Jepson, SIAM J. Numer. Anal. 28,
 //! 1446 (1991).
 
 pub use nalgebra::Complex;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector, Schur};
 
 /// The Floquet multipliers of a periodic orbit but for the trivial one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Multipliers {
-    /// The multiplier next to 1, which belongs to a shift in time: its distance from 1 shows the error of the others.
+    /// The multiplier next to 1, which belongs to a shift in time. Far from 1 it shows that the others are inaccurate as well; next to 1 it
+    /// shows nothing of them where disturbances grow by many orders of magnitude on the way.
     pub trivial: Complex<f64>,
     /// The others, from large to small modulus; complex pairs appear with both signs.
     pub others: Vec<Complex<f64>>,
 }
 
-/// The matrix is no monodromy matrix, which is square and has finite entries, or matrices are no transitions of equal size.
+/// The matrix is no monodromy matrix, which is square and has finite entries, or matrices are no transitions of equal size, or the
+/// iteration for their eigenvalues does not converge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no multipliers of {entries} entries: monodromy and transition matrices are square, of one size and finite")]
+#[error(
+    "no multipliers of {entries} entries: monodromy and transition matrices are square, of one size and finite, \
+    with eigenvalues that QR iterations find"
+)]
 pub struct NoMultipliers {
     /// Entries of the matrix.
     pub entries: usize,
@@ -43,6 +48,19 @@ const SHIFTS: [f64; 4] = [-0.37, 2.7, 0.41, -2.3];
 
 /// 1/|μ − σ| of multipliers that are as good as infinite.
 const SMALLEST: f64 = 1e-100;
+
+/// Most QR iterations for the eigenvalues of a matrix, for every row.
+const ITERATIONS: usize = 60;
+
+/// Entries that count as 0 in QR iterations, in rounding errors: next to many equal eigenvalues some never become smaller.
+const ZEROS: [f64; 3] = [1.0, 1e2, 1e4];
+
+/// The eigenvalues of a square matrix; None if QR iterations do not converge.
+pub(crate) fn eigenvalues(matrix: &DMatrix<f64>) -> Option<DVector<Complex<f64>>> {
+    let most = ITERATIONS * matrix.nrows();
+    let schur = |zero: &f64| Schur::try_new(matrix.clone(), zero * f64::EPSILON, most);
+    ZEROS.iter().find_map(schur).map(|schur| schur.complex_eigenvalues())
+}
 
 impl CycleBifurcation {
     /// All of them.
@@ -96,13 +114,13 @@ impl Multipliers {
         if n == 0 || n * n != monodromy.len() || monodromy.iter().any(|x| !x.is_finite()) {
             return Err(refused);
         }
-        Multipliers::sorted(DMatrix::from_row_slice(n, n, monodromy).complex_eigenvalues().iter().copied())
-            .ok_or(refused)
+        let all = eigenvalues(&DMatrix::from_row_slice(n, n, monodromy)).ok_or(refused)?;
+        Multipliers::sorted(all.iter().copied()).ok_or(refused)
     }
 
-    /// Of the transitions over the intervals of an orbit from the first to the last, each n × n, row-major. A multiplier is accurate however
-    /// much other disturbances grow: its error is the rounding error times the growth of its own disturbance on the way. Multipliers above
-    /// 1e100 are given as 1e100.
+    /// Of the transitions over the intervals of an orbit from the first to the last, each n × n, row-major. Multipliers of very
+    /// different sizes are found side by side, with errors of the rounding error times the growth of disturbances on the way: next to a
+    /// homoclinic orbit none may be accurate. Multipliers above 1e100 are given as 1e100.
     ///
     /// # Errors
     /// [`NoMultipliers`].
@@ -150,7 +168,7 @@ impl Multipliers {
         let value = |w: &Complex<f64>| {
             if w.norm_sqr() < SMALLEST * SMALLEST { Complex::new(SMALLEST.recip(), 0.0) } else { w.inv() + shift }
         };
-        Multipliers::sorted(inverse.complex_eigenvalues().iter().map(value))
+        Multipliers::sorted(eigenvalues(&inverse)?.iter().map(value))
     }
 
     /// Of all multipliers, in any order.

@@ -19,6 +19,7 @@ use furrow_bvp::{
 use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::cycles::CycleBranch;
+use crate::floquet;
 use crate::root::{self, Root};
 
 /// Equilibria v(y, p) = 0 of a vector field as a problem for [`Continuation`]: the scalar unknowns are y and p, and the one component is
@@ -256,7 +257,8 @@ fn eigenvalues<V: VectorField>(field: &V, equilibrium: &Solution) -> Result<Vec<
     if jacobian.iter().any(|x| !x.is_finite()) {
         return Err(HopfError::Eigenvalues { parameter });
     }
-    let mut all: Vec<Complex<f64>> = jacobian.complex_eigenvalues().iter().copied().collect();
+    let found = floquet::eigenvalues(&jacobian).ok_or(HopfError::Eigenvalues { parameter })?;
+    let mut all: Vec<Complex<f64>> = found.iter().copied().collect();
     all.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
     Ok(all)
 }

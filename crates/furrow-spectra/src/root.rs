@@ -87,9 +87,10 @@ impl<T> Root<T> {
         let solved = settings.newton.solve(&mut own, &mut Default::default(), problem, &mut refined, &[plane], false);
         let there = solved.ok().and_then(|_| test(problem, &refined).ok());
         problem.prepare(&state.solution.scalars);
-        there.map_or(f64::INFINITY, |(value, _)| {
+        let error = there.map(|(value, _)| {
             let moved = parameter(&refined) - parameter(y);
             mesh::error_of_change(moved - (value - self.value) / self.slope, y.m)
-        })
+        });
+        error.filter(|error| !error.is_nan()).unwrap_or(f64::INFINITY)
     }
 }

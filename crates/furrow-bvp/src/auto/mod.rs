@@ -74,6 +74,11 @@ pub trait Equations {
     /// As [`BoundaryValueProblem::accepted`].
     fn accepted(&mut self, _y: &Solution) {}
 
+    /// As [`BoundaryValueProblem::is_degenerate`].
+    fn is_degenerate(&self, _y: &Solution) -> bool {
+        false
+    }
+
     /// As [`BoundaryValueProblem::kernels`].
     fn kernels(&self, _stages: usize) -> Kernels {
         Kernels::general()
@@ -190,6 +195,10 @@ impl<E: Equations> BoundaryValueProblem for Auto<E> {
 
     fn accepted(&mut self, y: &Solution) {
         self.0.accepted(y);
+    }
+
+    fn is_degenerate(&self, y: &Solution) -> bool {
+        self.0.is_degenerate(y)
     }
 
     fn rhs(&self, at: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], g: &mut [f64]) {

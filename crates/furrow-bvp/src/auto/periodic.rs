@@ -78,6 +78,12 @@ pub struct PeriodicOrbit<V> {
     gauss: Gauss,
 }
 
+/// The mean square of what changes along an orbit, of values that are 1 on average: less is an equilibrium but for rounding.
+const STILL: f64 = 1e-14;
+
+/// The mean square of values that count as 0.
+const ZERO: f64 = 1e-4;
+
 impl<V: VectorField> PeriodicOrbit<V> {
     /// The problem with a reference orbit given on \[0, 1\] as `orbit`, which writes y at x, and this orbit as a guess: with its
     /// period and the parameters p.
@@ -199,6 +205,27 @@ impl<V: VectorField> Equations for PeriodicOrbit<V> {
         if y.fits(self.dimensions()).is_ok() && y.m == self.gauss.m {
             self.reference.clone_from(y);
         }
+    }
+
+    /// An equilibrium has any period. Beyond a Hopf point the orbits of the branch come back, shifted by half a period: then the product of
+    /// what changes along the orbit and along its reference, which the phase condition holds it next to, is negative.
+    fn is_degenerate(&self, y: &Solution) -> bool {
+        if y.fits(self.dimensions()).is_err() || y.m != self.gauss.m {
+            return false;
+        }
+        let mut at = vec![0.0; y.components];
+        let mut means = vec![[0.0; 4]; y.components];
+        for (i, ends) in y.mesh.windows(2).enumerate() {
+            for (j, weight) in self.gauss.b.iter().enumerate() {
+                self.reference.eval(&self.gauss, y.stage_x(&self.gauss, i, j), &mut at);
+                for (mean, (y, before)) in means.iter_mut().zip(y.stage(i, j).iter().zip(&at)) {
+                    let values = [*y, *before, y * before, y * y];
+                    mean.iter_mut().zip(values).for_each(|(mean, value)| *mean += weight * (ends[1] - ends[0]) * value);
+                }
+            }
+        }
+        let common = means.iter().map(|[y, before, product, square]| (product - y * before) / (ZERO + square));
+        common.sum::<f64>() < STILL
     }
 
     fn rhs<D: Number>(&self, _: f64, y: &[D], p: &[D], f: &mut [D]) {

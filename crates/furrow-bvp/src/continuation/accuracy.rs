@@ -3,14 +3,17 @@
 //! Where folds and branch points are depends on the tangent and on a second, nearly null direction, which may need more
 //! intervals than the point itself: along a branch of zeros that has no defect at all. Their defects count as well. An
 //! eigenvalue has an error of order h^(2m), the defect of its vectors is of order h^(m+1), and the bound on it follows from that.
+//!
+//! The second direction is the response to a smooth disturbance of the right-hand side. It keeps the conditions, as a null direction
+//! does: one that breaks u′ = 0 at a singular centre is itself singular there, and no mesh resolves it.
 
+use crate::direction::Direction;
 use crate::mesh;
 use crate::metric;
 use crate::newton::NEWTON_SHARE;
 use crate::problem::BoundaryValueProblem;
 
 use super::branch::{Continuation, SHORTER, with_more_iterations};
-use super::passing;
 use super::settings::ContinuationError;
 use super::state::Advance;
 
@@ -35,31 +38,41 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         largest(&mesh::defect(&self.system.gauss, &mut self.problem, &self.state.solution))
     }
 
-    /// The largest defect of the newest point; and for every interval the largest of point, tangent and nearly null direction, the
-    /// last two scaled to the tolerance of the point.
-    fn defects(&mut self, tolerance: f64) -> (f64, Vec<f64>) {
-        let Continuation { problem, system, state, null, .. } = self;
+    /// The largest defect of the newest point; and for every interval that of the point alone, or the largest of point, tangent and
+    /// response, the last two scaled to the tolerance of the point.
+    fn defects(&mut self, tolerance: f64, alone: bool) -> (f64, Vec<f64>) {
+        let Continuation { problem, system, state, response, .. } = self;
         let (gauss, y) = (&system.gauss, &state.solution);
         let mut defects = mesh::defect(gauss, problem, y);
         let own = largest(&defects);
         let m = y.m as f64;
         let scale = tolerance / tolerance.min(1.0).powf((m + 1.0) / (2.0 * m));
-        for direction in [&state.tangent, &*null] {
+        for (direction, disturbed) in [(&state.tangent, 0.0), (&*response, 1.0)] {
             let size = direction.norm(y);
-            if direction.check(y).is_ok() && size > 0.0 && size.is_finite() {
-                let of_direction = mesh::direction_defect(gauss, problem, y, direction);
+            if !alone && direction.check(y).is_ok() && size > 0.0 && size.is_finite() {
+                let of_direction = mesh::direction_defect(gauss, problem, y, (direction, disturbed));
                 defects.iter_mut().zip(of_direction).for_each(|(all, one)| *all = all.max(scale * one));
             }
         }
         (own, defects)
     }
 
-    /// Stores the determinant and the approximate null vector of the factors at the newest point.
+    /// The response to a disturbance, by the factors at the newest point; nothing if there are none.
+    fn respond(&mut self) {
+        let Continuation { system, state, response, .. } = self;
+        let mut residual = system.zero_residual();
+        residual.stages = mesh::disturbance(&system.gauss.c, &state.solution, -1.0);
+        if system.solve(&residual, response).is_err() {
+            *response = Direction::default();
+        }
+    }
+
+    /// Stores the determinant and the response of the factors at the newest point.
     pub(super) fn update_test_values(&mut self) {
         let determinant = self.system.determinant();
         (self.state.orientation, self.log_determinant) = (determinant.sign, determinant.log_abs);
         if self.settings.tolerance.is_some() {
-            self.null = passing::approximate_null_vector(&mut self.system).unwrap_or_default();
+            self.respond();
         }
     }
 
@@ -70,7 +83,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         loop {
             let saved = self.state.clone();
             let advance = self.step()?;
-            self.null = passing::approximate_null_vector(&mut self.system).unwrap_or_default();
+            self.respond();
             let error = match self.refine(tolerance, Fixed::Arclength) {
                 Ok(defect) => return Ok(Advance { defect: Some(defect), ..advance }),
                 Err(error) => error,
@@ -90,16 +103,22 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     pub(super) fn refine(&mut self, tolerance: f64, fixed: Fixed) -> Result<f64, ContinuationError> {
         let limit = self.settings.max_intervals;
         let mut refinement = mesh::Refinement::new(tolerance, limit);
+        let mut alone = false;
         loop {
-            let (defect, defects) = self.defects(tolerance);
+            let (defect, defects) = self.defects(tolerance, alone);
             if largest(&defects) <= tolerance {
                 return Ok(defect);
             }
             let grid = refinement.next(&self.state.solution, &defects);
-            let Some(grid) = grid.filter(|grid| mesh::check(grid).is_ok()) else {
+            let Some(grid) = grid.filter(|grid| mesh::is_distinct(grid)) else {
                 if defect <= tolerance {
                     // As well as the mesh allows for its directions.
                     return Ok(defect);
+                }
+                if !alone {
+                    // The intervals may still do for the point.
+                    (alone, refinement) = (true, mesh::Refinement::new(tolerance, limit));
+                    continue;
                 }
                 let parameter = self.state.parameter();
                 return Err(ContinuationError::MeshLimit { limit, parameter, defect, tolerance });
@@ -111,16 +130,16 @@ impl<P: BoundaryValueProblem> Continuation<P> {
 
     /// Moves to a mesh of fewer intervals where they do.
     fn coarsen(&mut self, tolerance: f64) {
-        if self.null.check(&self.state.solution).is_err() && self.factorise_newest().is_ok() {
+        if self.response.check(&self.state.solution).is_err() && self.factorise_newest().is_ok() {
             self.update_test_values();
         }
-        let (_, defects) = self.defects(tolerance);
+        let (_, defects) = self.defects(tolerance, false);
         let y = &self.state.solution;
         let intervals = y.intervals();
         let needed = mesh::intervals_for(&y.mesh, &defects, y.m, tolerance).max(FEWEST);
         if (needed as f64) < TOO_MANY * intervals as f64 {
             let grid = mesh::redistributed(&y.mesh, &defects, y.m, needed, intervals);
-            if mesh::check(&grid).is_ok() {
+            if mesh::is_distinct(&grid) {
                 self.move_to(&grid);
             }
         }

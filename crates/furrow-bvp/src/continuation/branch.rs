@@ -28,6 +28,9 @@ use super::unfolding::Unfolding;
 /// straight on.
 const CLOSED_GAP: f64 = 1e-6;
 
+/// Relative changes of λ that cannot be told from rounding.
+const STILL: f64 = 1e-11;
+
 /// A rejected step is repeated with this fraction of its length.
 pub(crate) const SHORTER: f64 = 0.4;
 
@@ -41,6 +44,9 @@ const CHORD_CONTRACTION: f64 = 0.5;
 
 /// After this many rejections the tangent may be wrong.
 const REJECTIONS_BEFORE_EXACT_TANGENT: usize = 2;
+
+/// The branch ends where the solutions of a step degenerate, and those of shorter ones, so many in all.
+const STEPS_TO_DEGENERATE: usize = 3;
 
 /// A step that is not yet accepted: the point is in `trial`, its tangent in `tangent`.
 struct Attempt {
@@ -98,8 +104,8 @@ pub struct Continuation<P> {
     pub(super) conditions: Vec<LinearCondition>,
     pub(super) trial: Solution,
     tangent: Direction,
-    /// The approximate second null vector at the newest point, if a tolerance is set.
-    pub(super) null: Direction,
+    /// The response of the newest point to a disturbance, if a tolerance is set.
+    pub(super) response: Direction,
     weight: Vec<f64>,
     /// The branch point that the last step has passed, from its detection.
     pub(crate) passed: Option<PassedBranchPoint>,
@@ -120,7 +126,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     ///
     /// # Errors
     /// [`ContinuationError::Start`] if there is no such solution, [`ContinuationError::MeshLimit`] if it is not accurate enough,
-    /// [`ContinuationError::Invalid`] for input that is refused.
+    /// [`ContinuationError::Degenerate`] for an equilibrium in place of a cycle, [`ContinuationError::Invalid`] for input that is refused.
     pub fn start(
         mut problem: P,
         guess: Solution,
@@ -158,6 +164,10 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let direction = if upwards { 1.0 } else { -1.0 };
         let state = State { solution, tangent, arclength: 0.0, step, points: 1, direction, orientation: 0.0, history };
         let mut branch = Continuation::resume(problem, state, metric, settings);
+        // The first point is its own reference.
+        if branch.problem.is_degenerate(&branch.state.solution) {
+            return Err(branch.lost(parameter, StepFailure::Degenerate));
+        }
         if let Some(tolerance) = tolerance {
             branch.refine(tolerance, Fixed::Parameter(parameter))?;
         }
@@ -176,7 +186,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         Continuation {
             trial: state.solution.clone(),
             tangent: Direction::default(),
-            null: Direction::default(),
+            response: Direction::default(),
             problem,
             system,
             settings,
@@ -209,6 +219,12 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.scratch.limit = WorkLimit::new(*budget, *max_intervals, interrupt);
     }
 
+    /// Whether λ is the same at the last two points but for rounding: along a vertical branch its sign of change tells of no folds.
+    pub fn is_still(&self) -> bool {
+        let (now, before) = (self.state.parameter(), self.state.history.back(1).and_then(|(_, y)| y.scalars.last()));
+        before.is_some_and(|before| (now - before).abs() < STILL * (1.0 + now.abs()))
+    }
+
     /// Reverses the direction.
     pub fn reverse(&mut self) {
         self.exact = false;
@@ -222,7 +238,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// Takes one step.
     ///
     /// # Errors
-    /// [`ContinuationError::Lost`] or [`ContinuationError::MeshLimit`]; the state is left at the last point.
+    /// [`ContinuationError::Lost`], [`ContinuationError::Degenerate`] or [`ContinuationError::MeshLimit`]; the state is left at the last
+    /// point.
     /// [`ContinuationError::Invalid`] if public fields were changed to invalid values.
     pub fn advance(&mut self) -> Result<Advance, ContinuationError> {
         self.check()?;
@@ -237,7 +254,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// One step on the mesh as it is.
     pub(super) fn step(&mut self) -> Result<Advance, ContinuationError> {
         let mut step = self.state.step.min(self.settings.max_step);
-        let mut rejected = 0;
+        let (mut rejected, mut degenerate) = (0, 0);
         (self.passed, self.on_other_branch) = (None, false);
         if self.state.orientation == 0.0 && self.state.points > 1 && self.factorise_newest().is_ok() {
             // After a change of the number of intervals. A branch point in this step would not show.
@@ -252,13 +269,18 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                 return Err(self.lost(self.state.parameter(), source));
             }
             rejected += 1;
+            degenerate += usize::from(source == StepFailure::Degenerate);
             step *= SHORTER;
             if rejected == REJECTIONS_BEFORE_EXACT_TANGENT {
                 // The tangent was computed with the corrector's factors at a prediction. If it is too inaccurate, no step is short
                 // enough. Without an exact tangent the step is shortened further.
                 let _ = self.exact_tangent();
             }
-            if step < self.settings.min_step.max(f64::MIN_POSITIVE) {
+            let ended = step < self.settings.min_step.max(f64::MIN_POSITIVE);
+            if degenerate == STEPS_TO_DEGENERATE || (ended && degenerate > 0) {
+                return Err(self.lost(self.state.parameter(), StepFailure::Degenerate));
+            }
+            if ended {
                 return Err(self.lost(self.state.parameter(), source));
             }
         }
@@ -270,6 +292,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             StepFailure::Newton(NewtonError::Stopped { reason, .. }) => {
                 ContinuationError::Stopped { reason, parameter, arclength }
             }
+            StepFailure::Degenerate => ContinuationError::Degenerate { parameter, arclength },
             source => ContinuationError::Lost { parameter, arclength, source },
         }
     }
@@ -352,6 +375,9 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             }
             None => settings.newton.solve(system, scratch, problem, trial, conditions, false)?,
         };
+        if problem.is_degenerate(trial) {
+            return Err(StepFailure::Degenerate);
+        }
         let exact = reused.is_some();
         self.chord_reach = match (reuse, exact) {
             (true, true) => self.chord_reach.max(CHORD_REACH_GROWTH * step),
@@ -445,8 +471,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let (gauss, from) = (&self.system.gauss, &self.state.solution.mesh);
         metric::transfer_direction(gauss, from, grid, &mut self.state.tangent);
         self.metric.normalise(grid, &mut self.state.tangent);
-        if self.null.check(&self.state.solution).is_ok() {
-            metric::transfer_direction(gauss, from, grid, &mut self.null);
+        if self.response.check(&self.state.solution).is_ok() {
+            metric::transfer_direction(gauss, from, grid, &mut self.response);
         }
         if let Some(PassedBranchPoint { solution, basis, unfolded }) = &mut self.passed {
             basis.iter_mut().for_each(|direction| metric::transfer_direction(gauss, from, grid, direction));

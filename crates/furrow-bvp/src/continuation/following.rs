@@ -24,7 +24,10 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         mut visit: impl FnMut(&mut Self, Advance) -> bool,
     ) -> Result<Termination, ContinuationError> {
         for _ in 0..limit {
-            let mut advance = self.advance()?;
+            let mut advance = match self.advance() {
+                Err(ContinuationError::Degenerate { .. }) => return Ok(Termination::Degenerate),
+                advance => advance?,
+            };
             let parameter = self.state.parameter();
             if parameter < range[0] || parameter > range[1] {
                 let bound = if parameter < range[0] { range[0] } else { range[1] };
@@ -62,6 +65,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.state.history.replace_newest(self.state.arclength, &self.state.solution);
         self.problem.accepted(&self.state.solution);
         if let Some(tolerance) = self.settings.tolerance {
+            self.update_test_values();
             self.refine(tolerance, Fixed::Parameter(value))?;
         }
         Ok(())

@@ -13,7 +13,6 @@ mod unfolding;
 pub(crate) use branch::SHORTER;
 pub use branch::{Continuation, MeshMonitor};
 pub(crate) use passing::{PassedBranchPoint, distances, is_within_step};
-pub(crate) use settings::short;
 pub use settings::{ContinuationError, ContinuationSettings, StepFailure};
 pub use state::{Advance, State, Termination};
 pub(crate) use unfolding::{Differentiated, Unfolding};

@@ -2,7 +2,7 @@
 
 use crate::dense::PivotFailure;
 use crate::dimensions::Dimensions;
-use crate::invalid::{self, InvalidInput};
+use crate::invalid::{self, InvalidInput, short};
 use crate::linear::FactorisationError;
 use crate::metric::Metric;
 use crate::newton::{BUDGET, Interrupt, Newton, NewtonError, Stop};
@@ -100,6 +100,9 @@ pub enum StepFailure {
     /// The point found is not on the branch the step set out from.
     #[error("the step leads to another branch")]
     OtherBranch,
+    /// The point found is none, see [`BoundaryValueProblem::is_degenerate`](crate::BoundaryValueProblem::is_degenerate).
+    #[error("solutions degenerate")]
+    Degenerate,
     /// There is no tangent: the system bordered by the plane condition is singular.
     #[error("the Jacobian is singular (pivot {})", .0.column)]
     Singular(PivotFailure),
@@ -120,11 +123,6 @@ impl From<InvalidInput> for StepFailure {
     }
 }
 
-/// A number of a message, rounded to seven digits: later digits are noise to its reader.
-pub(crate) fn short(number: f64) -> f64 {
-    format!("{number:.6e}").parse().unwrap_or(number)
-}
-
 /// Why a continuation failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -139,6 +137,14 @@ pub enum ContinuationError {
         parameter: f64,
         /// Error of the solver.
         source: NewtonError,
+    },
+    /// Solutions degenerate at the start or in the step after the last point, as a cycle that shrinks to an equilibrium.
+    #[error("the solution degenerates at parameter {} after arclength {}: a cycle is an equilibrium there", short(*parameter), short(*arclength))]
+    Degenerate {
+        /// Value of λ at the last point.
+        parameter: f64,
+        /// Arclength of the last point.
+        arclength: f64,
     },
     /// The corrector fails for the smallest step.
     #[error("the branch is lost at parameter {} after arclength {}: {source}", short(*parameter), short(*arclength))]
@@ -160,7 +166,7 @@ pub enum ContinuationError {
         /// Arclength of the last point.
         arclength: f64,
     },
-    /// The accuracy asked for would need more intervals than allowed.
+    /// The accuracy asked for would need more intervals than allowed, or narrower ones than numbers can tell apart.
     #[error(
         "the limit of {limit} intervals is reached at parameter {} with a defect of {defect:.3e}, \
          the tolerance is {tolerance:.3e}",

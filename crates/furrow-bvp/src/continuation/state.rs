@@ -81,6 +81,9 @@ pub enum Termination {
     ParameterBound(f64),
     /// The largest number of points is reached.
     PointLimit(usize),
+    /// Solutions degenerate in the step after the last point, see
+    /// [`BoundaryValueProblem::is_degenerate`](crate::BoundaryValueProblem::is_degenerate): a branch of cycles ends at a Hopf point.
+    Degenerate,
     /// The visitor returned false.
     Stopped,
 }

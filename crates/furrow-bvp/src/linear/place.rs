@@ -2,6 +2,7 @@
 
 use crate::dimensions::Dimensions;
 use crate::direction::Residual;
+use crate::invalid::short;
 use crate::kernels::Condensed;
 
 use super::system::System;
@@ -11,7 +12,7 @@ use super::system::System;
 #[non_exhaustive]
 pub enum Place {
     /// A component of the right-hand side.
-    #[error("component {component} of the right-hand side at x = {x}")]
+    #[error("component {component} of the right-hand side at x = {}", short(*x))]
     Rhs {
         /// The component.
         component: usize,
@@ -19,7 +20,7 @@ pub enum Place {
         x: f64,
     },
     /// A derivative of a component of the right-hand side.
-    #[error("a derivative of component {component} of the right-hand side at x = {x}")]
+    #[error("a derivative of component {component} of the right-hand side at x = {}", short(*x))]
     RhsDerivative {
         /// The component.
         component: usize,
@@ -39,7 +40,7 @@ pub enum Place {
         index: usize,
     },
     /// An integrand, or a derivative of it.
-    #[error("integrand {index} at x = {x}")]
+    #[error("integrand {index} at x = {}", short(*x))]
     Integrand {
         /// The integral condition.
         index: usize,

@@ -128,3 +128,18 @@ fn a_diagram_is_written_and_its_branches_go_on() {
     assert_eq!(both[0].state, both[1].state);
     assert!(both[0].state.arclength > buckled.state.arclength + 1.0);
 }
+
+/// u″ = −λ(u − u³) with u′ = 0 at both ends: every constant is a solution for λ = 0.
+#[test]
+fn a_vertical_branch_has_no_folds_of_rounding() {
+    let problem = SimpleProblem::new(2, |_, y, p, f| (f[0], f[1]) = (y[1], -p[0] * (y[0] - y[0] * y[0] * y[0])))
+        .scalars(1)
+        .left_conditions(1, |y, _, r| r[0] = y[1])
+        .right_conditions(1, |y, _, r| r[0] = y[1]);
+    let guess = Solution::constant(4, &mesh::uniform(0.0, 1.0, 16), &[0.0, 0.0], &[-5.0]);
+    let metric = Metric { components: vec![1.0, 0.0], scalars: vec![0.04] };
+    let settings = DiagramSettings { range: [-6.0, 6.0], points: 60, depth: 1, ..Default::default() };
+    let found = diagram(&problem, guess, &metric, &settings, |y| vec![y.node(0)[0]]).unwrap();
+    let folds = found.special.iter().filter(|point| point.kind == SpecialKind::Fold).count();
+    assert!(found.branches.len() > 3 && folds <= 2, "{folds} {}", found.branches.len());
+}

@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 
 use furrow_bvp::{
-    Continuation, ContinuationSettings, Gauss, Metric, Number, PeriodicOrbit, Termination, VectorField, mesh,
+    Continuation, ContinuationError, ContinuationSettings, Gauss, Metric, Number, PeriodicOrbit, Termination,
+    VectorField, mesh,
 };
 
 const EPSILON: f64 = 0.01;
@@ -66,4 +67,58 @@ fn a_canard_explosion_is_passed_and_relaxation_oscillations_are_followed() {
     };
     let slow = passage(2.0, 1.0) + passage(-2.0, -1.0);
     assert!(period > slow && period < 1.4 * slow, "{period} {slow}");
+}
+
+/// Cycles of the radius √p about (3, 0), with the period 2π.
+#[derive(Clone)]
+struct Circles;
+
+impl VectorField for Circles {
+    fn components(&self) -> usize {
+        2
+    }
+
+    fn parameters(&self) -> usize {
+        1
+    }
+
+    fn velocity<D: Number>(&self, y: &[D], p: &[D], v: &mut [D]) {
+        let x = y[0] - 3.0;
+        let growth = p[0] - x.powi(2) - y[1].powi(2);
+        (v[0], v[1]) = (growth * x - y[1], growth * y[1] + x);
+    }
+}
+
+/// The branch of circles from a guess of a radius, towards smaller p.
+fn circles(
+    radius: f64,
+    parameter: f64,
+    tolerance: Option<f64>,
+) -> Result<Continuation<furrow_bvp::Auto<PeriodicOrbit<Circles>>>, ContinuationError> {
+    let orbit = |x: f64, y: &mut [f64]| {
+        let (sine, cosine) = (TAU * x).sin_cos();
+        y.copy_from_slice(&[3.0 + radius * cosine, radius * sine]);
+    };
+    let grid = mesh::uniform(0.0, 1.0, 12);
+    let (problem, guess) = PeriodicOrbit::near(Circles, &Gauss::new(4).unwrap(), &grid, TAU, &[parameter], orbit)?;
+    let metric = Metric { components: vec![1.0; 2], scalars: vec![0.0, 0.0, 0.0, 1.0] };
+    let settings = ContinuationSettings { tolerance, max_step: 0.1, ..Default::default() };
+    Continuation::start(problem, guess, metric, settings, false)
+}
+
+#[test]
+fn a_branch_of_cycles_ends_at_its_hopf_point() {
+    for tolerance in [None, Some(1e-7)] {
+        let mut branch = circles(0.7, 0.5, tolerance).unwrap();
+        let ended = branch.follow([-1.0, 1.0], 200, |_, advance| !advance.passed_fold);
+        assert_eq!(ended, Ok(Termination::Degenerate), "{tolerance:?}");
+        let parameter = branch.state.parameter();
+        assert!((0.0..1e-2).contains(&parameter), "{tolerance:?}: {parameter}");
+    }
+}
+
+#[test]
+fn an_equilibrium_is_no_cycle() {
+    let refused = circles(0.1, 0.5, None).err().unwrap();
+    assert!(matches!(refused, ContinuationError::Degenerate { .. }), "{refused:?}");
 }

@@ -11,6 +11,7 @@ use furrow_spectra::hopf::{Equilibria, EquilibriumBranch, HopfPoint, HopfWatch};
 mod brusselator;
 mod canard;
 mod circuit;
+mod conservative;
 mod duffing;
 mod integrated;
 mod lorenz;

@@ -1,6 +1,7 @@
 //! Floquet multipliers of cycles.
 
 use furrow_bvp::{Gauss, Number, PeriodicOrbit, Settings, Solution, VectorField, mesh, solve};
+use furrow_spectra::cycles;
 use furrow_spectra::floquet::{CycleBifurcation, Multipliers};
 use std::f64::consts::TAU;
 
@@ -126,4 +127,42 @@ fn a_pair_on_the_unit_circle_shows_a_torus() {
         assert_eq!(changes, bifurcation == CycleBifurcation::Torus);
     }
     assert!(Multipliers::of(&[1.0, f64::NAN, 0.0, 1.0]).is_err() && Multipliers::of(&[1.0, 2.0]).is_err());
+}
+
+/// Seven circular cycles in a ring: at p = 0 all multipliers next to 1 and e^(−4π) meet, with Jordan blocks at both. QR iterations without a
+/// limit went on for ever next to it.
+#[derive(Clone)]
+struct Ring;
+
+impl VectorField for Ring {
+    fn components(&self) -> usize {
+        14
+    }
+    fn parameters(&self) -> usize {
+        1
+    }
+    fn velocity<D: Number>(&self, y: &[D], p: &[D], v: &mut [D]) {
+        for k in 0..7 {
+            let (at, [x, z]) = (|k: usize, c: usize| y[2 * (k % 7) + c], [y[2 * k], y[2 * k + 1]]);
+            let square = x * x + z * z;
+            let (growth, turn) = (-square + 1.0, square * -2.0 + 3.0);
+            v[2 * k] = growth * x - turn * z + p[0] * (at(k + 6, 0) + at(k + 1, 0) - x * 2.0);
+            v[2 * k + 1] = growth * z + turn * x + p[0] * (at(k + 6, 1) + at(k + 1, 1) - z * 2.0);
+        }
+    }
+}
+
+#[test]
+fn many_equal_multipliers_are_found() {
+    let circles = |x: f64, y: &mut [f64]| {
+        let (sine, cosine) = (TAU * x).sin_cos();
+        y.chunks_mut(2).for_each(|y| y.copy_from_slice(&[cosine, sine]));
+    };
+    let (gauss, grid) = (Gauss::new(4).unwrap(), mesh::uniform(0.0, 1.0, 20));
+    for p in [1e-6, 1e-7, 1e-9, 0.0, -1e-9] {
+        let (mut problem, orbit) = PeriodicOrbit::near(Ring, &gauss, &grid, TAU, &[p], circles).unwrap();
+        let multipliers = cycles::multipliers(&mut problem, &orbit).unwrap();
+        let next_to_one = multipliers.others.iter().filter(|m| (*m - 1.0).norm_sqr() < 1e-4).count();
+        assert_eq!(next_to_one, 6, "{p:e}: {multipliers:?}");
+    }
 }

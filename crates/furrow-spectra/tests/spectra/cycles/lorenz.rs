@@ -66,3 +66,24 @@ fn lorenzs_cycle_doubles_its_period_and_so_do_the_doubled_ones() {
         branch = twice.unwrap();
     }
 }
+
+/// The cycle from the Hopf point at ρ = 470/19 ends at a homoclinic orbit at ρ = 13.926, where errors of the multipliers are larger than 1.
+#[test]
+fn errors_next_to_a_homoclinic_orbit_are_no_period_doublings() {
+    let x = 24.0f64.sqrt();
+    let (problem, guess) = Equilibria::near(Lorenz, &[x, x, 9.0], &[10.0]);
+    let mut still = Continuation::start(problem, guess, Metric::unit(1, 4), Default::default(), true).unwrap();
+    let hopf = hopf_points(&mut still, [2.0, 40.0]);
+    assert!((hopf[0].parameter() - 470.0 / 19.0).abs() < 1e-8);
+    let settings = ContinuationSettings { tolerance: Some(1e-7), ..Default::default() };
+    let grid = mesh::uniform(0.0, 1.0, 30);
+    let mut branch = hopf[0].cycles(&Lorenz, &Gauss::new(4).unwrap(), &grid, metric(3, 0.01), settings).unwrap();
+    let mut watch = CycleWatch::start(&mut branch).unwrap();
+    branch
+        .follow([10.0, 60.0], 60, |branch, advance| {
+            assert_eq!(watch.look(branch, advance).unwrap(), []);
+            branch.state.solution.scalars[3] < 12.0
+        })
+        .unwrap();
+    assert!((branch.state.parameter() - 13.926557).abs() < 1e-5 && watch.unclear > 0, "{}", watch.unclear);
+}
