@@ -47,8 +47,8 @@ class Boundary(Drawn):
         return value
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row per point of any curve: ``pitchfork``, ``fold 0``, ``m = 1`` and so on."""
-        rows = [{**point, "curve": "pitchfork"} for point in self["pitchfork"]]
+        """One row per point of any curve: ``pitchfork``, ``pitchfork 1``, ``fold 0``, ``m = 1`` and so on."""
+        rows = [{**point, "curve": f"pitchfork {point.get('curve') or ''}".strip()} for point in self["pitchfork"]]
         rows += [{**point, "curve": f"fold {point['curve']}"} for point in self["folds"]]
         rows += [{**point, "curve": f"m = {point['m']}"} for point in self.get("azimuthal", ())]
         names = ("curve", "r0", "epsilon", "value", "xi_s", "H", "criticality", "coefficient")

@@ -142,7 +142,7 @@ fn text(found: &BoundaryStudy, units: &Units) -> String {
     std::iter::once(HEADING.to_owned()).chain(curves).collect()
 }
 
-/// What the end of a curve is called: pitchforks meet in pairs, but not in a cusp.
+/// The name of a curve's end. Where two pitchforks meet there is no cusp.
 fn end_name(curve: &str, end: &CurveEnd) -> &'static str {
     match end {
         CurveEnd::Cusp(_) if curve.starts_with("pitchfork") => "turns back",

@@ -21,7 +21,7 @@ pub struct BoundaryStudy {
     pub parameter: Parameter,
     /// Its range.
     pub range: [f64; 2],
-    /// The curves through the first pitchforks; none where a cue breaks the symmetry.
+    /// The curves through the first pitchforks; empty if a cue breaks the symmetry.
     pub pitchforks: Vec<Curve>,
     /// Curves of folds.
     pub folds: Vec<Curve>,
@@ -273,7 +273,7 @@ impl BoundaryStudy {
             json!({ "curve": curve, "value": value, "reason": fold.ended.name() })
         };
         let of_folds = folds().flat_map(|(k, fold)| fold.points.iter().map(move |p| point_document(k, p)));
-        // Several curves are numbered, as those of folds.
+        // Several curves are numbered.
         let number = |k: usize| if self.pitchforks.len() > 1 { k.into() } else { Value::Null };
         let of_pitchforks = self
             .pitchforks

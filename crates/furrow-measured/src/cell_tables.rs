@@ -184,7 +184,7 @@ impl GridColumns {
                 let why = "may be an embryo or a frame: the column must be called embryo or frame";
                 return Err((label, why.to_owned()));
             }
-            // Frames without a number are told apart by their lines.
+            // Where a frame is not a number, its line takes the place of the number.
             let frame = self.frame.and_then(|column| at(column).number().ok()).unwrap_or(-(row.line as f64));
             return Ok(((group, of_file.to_owned()), Some(frame)));
         };

@@ -149,7 +149,8 @@ pub fn multipliers<V: VectorField>(
 pub struct CycleWatch {
     /// Of the newest orbit.
     pub multipliers: Multipliers,
-    /// Changes of sign so far between orbits with inaccurate multipliers, where no orbit has those of a bifurcation: they are not reported.
+    /// How often a test has changed its sign although no orbit nearby has the multipliers of a bifurcation, which happens where they are
+    /// inaccurate. No bifurcation is reported there.
     pub unclear: usize,
 }
 
@@ -160,7 +161,7 @@ const REAL: f64 = 1e-4;
 /// Multipliers at 1 are split like the one of a shift in time, but for such a factor.
 const SPLIT: f64 = 10.0;
 
-/// Where multipliers are accurate, that of a shift in time is so near to 1, and those of a bifurcation to where they have to be.
+/// Largest distance from their exact values of the multiplier of a shift in time and of those at a bifurcation.
 const NEAR: f64 = 1e-2;
 
 impl CycleWatch {
@@ -204,7 +205,7 @@ impl CycleWatch {
     }
 }
 
-/// Whether the multipliers of a point are those of its bifurcation. The test also changes its sign by errors, next to homoclinic orbits.
+/// Whether a point has the multipliers of its bifurcation. Next to homoclinic orbits errors alone can change the sign of the test.
 fn is_clear(point: &CyclePoint) -> bool {
     let Multipliers { trivial, others } = &point.multipliers;
     let off_minus_one = |m: &Complex<f64>| (m + 1.0).norm_sqr().sqrt();

@@ -119,8 +119,8 @@ impl Multipliers {
     }
 
     /// Of the transitions over the intervals of an orbit from the first to the last, each n × n, row-major. Multipliers of very
-    /// different sizes are found side by side, with errors of the rounding error times the growth of disturbances on the way: next to a
-    /// homoclinic orbit none may be accurate. Multipliers above 1e100 are given as 1e100.
+    /// different sizes are found side by side. Their errors are rounding errors times the growth of disturbances along the orbit, so that
+    /// none may be accurate next to a homoclinic orbit. Multipliers above 1e100 are given as 1e100.
     ///
     /// # Errors
     /// [`NoMultipliers`].

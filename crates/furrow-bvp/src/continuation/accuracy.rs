@@ -38,8 +38,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         largest(&mesh::defect(&self.system.gauss, &mut self.problem, &self.state.solution))
     }
 
-    /// The largest defect of the newest point; and for every interval that of the point alone, or the largest of point, tangent and
-    /// response, the last two scaled to the tolerance of the point.
+    /// The largest defect of the newest point, and the defect of every interval. Unless the point is taken `alone`, the latter is the
+    /// largest defect of point, tangent and response, the last two scaled to the tolerance of the point.
     fn defects(&mut self, tolerance: f64, alone: bool) -> (f64, Vec<f64>) {
         let Continuation { problem, system, state, response, .. } = self;
         let (gauss, y) = (&system.gauss, &state.solution);
@@ -57,7 +57,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         (own, defects)
     }
 
-    /// The response to a disturbance, by the factors at the newest point; nothing if there are none.
+    /// Computes the response to a disturbance if the newest point has factors.
     fn respond(&mut self) {
         let Continuation { system, state, response, .. } = self;
         let mut residual = system.zero_residual();

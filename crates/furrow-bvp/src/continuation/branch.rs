@@ -45,7 +45,7 @@ const CHORD_CONTRACTION: f64 = 0.5;
 /// After this many rejections the tangent may be wrong.
 const REJECTIONS_BEFORE_EXACT_TANGENT: usize = 2;
 
-/// The branch ends where the solutions of a step degenerate, and those of shorter ones, so many in all.
+/// The branch ends when a step has led to a degenerate solution this many times, although it was shortened each time.
 const STEPS_TO_DEGENERATE: usize = 3;
 
 /// A step that is not yet accepted: the point is in `trial`, its tangent in `tangent`.

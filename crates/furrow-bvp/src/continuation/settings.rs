@@ -100,7 +100,7 @@ pub enum StepFailure {
     /// The point found is not on the branch the step set out from.
     #[error("the step leads to another branch")]
     OtherBranch,
-    /// The point found is none, see [`BoundaryValueProblem::is_degenerate`](crate::BoundaryValueProblem::is_degenerate).
+    /// The solution found has degenerated, see [`BoundaryValueProblem::is_degenerate`](crate::BoundaryValueProblem::is_degenerate).
     #[error("solutions degenerate")]
     Degenerate,
     /// There is no tangent: the system bordered by the plane condition is singular.

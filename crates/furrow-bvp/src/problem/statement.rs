@@ -144,8 +144,8 @@ pub trait BoundaryValueProblem {
     /// fulfil the conditions that follow.
     fn accepted(&mut self, _y: &Solution) {}
 
-    /// Whether a point that a continuation is about to accept is none, because solutions have lost what makes them some since the last
-    /// one: as a cycle that has shrunk to an equilibrium. The branch ends before it.
+    /// Whether a solution that a continuation is about to accept has degenerated since the last one, as a cycle that has shrunk to an
+    /// equilibrium. The branch ends before it.
     fn is_degenerate(&self, _y: &Solution) -> bool {
         false
     }

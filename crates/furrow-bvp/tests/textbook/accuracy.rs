@@ -24,7 +24,7 @@ fn ball(centre: f64) -> SimpleProblem {
     .right_conditions(1, move |y, _, r| r[0] = y[centre as usize])
 }
 
-/// The values are those of the example `gelfand`.
+/// The example `gelfand` prints the same values.
 #[test]
 fn a_singular_centre_takes_no_more_intervals_than_the_peak_there() {
     for centre in [0.0, 1.0] {

@@ -110,7 +110,7 @@ pub struct Header<'f> {
 }
 
 impl<'f> Header<'f> {
-    /// The header on a line of a file. Names for which `is_exact` holds, as those of cells, are compared as they are written.
+    /// The header on a line of a file. Names are compared without regard to case unless `is_exact` holds, as for names of cells.
     ///
     /// # Errors
     /// Two columns with names that are alike.

@@ -80,8 +80,8 @@ pub fn rest_shapes(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<Rest
 /// Growth rates closer to zero than this, in 1/τ, belong to an edge, and may have either sign next to it.
 const MARGINAL: f64 = 1e-3;
 
-/// The stable parts of every segment between two folds or pitchforks. Hopf points divide a segment, and tell which of its parts are
-/// stable. A segment without them is judged by its middle point; one shorter than a step has no point and is left to divisions.
+/// The stable parts of every segment between two folds or pitchforks. Hopf points divide a segment into stable and unstable
+/// parts. A segment without them is judged by its middle point; one shorter than a step has no point and is left to divisions.
 fn stable_intervals(edges: &[Edge], points: &[ShapePoint], hopf: &[HopfPoint]) -> Vec<[f64; 2]> {
     let ends: Vec<f64> = edges.iter().map(Edge::xi_s).collect();
     let [Some(first), Some(last)] = [points.first(), points.last()] else { return Vec::new() };

@@ -360,7 +360,7 @@ fn joined(backwards: Option<Curve>, forwards: Option<Curve>) -> Option<Curve> {
     curve.points.extend(forwards.points.into_iter().skip(1));
     curve.degenerate.extend(forwards.degenerate);
     curve.iterations += forwards.iterations;
-    // Of two ends that are not those of the range, the second is given.
+    // A curve has one end in its data: the second one, if both are within the range.
     if forwards.ended != CurveEnd::Reached {
         curve.ended = forwards.ended;
     }
@@ -469,7 +469,7 @@ fn inner([from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
 }
 
 /// Adds the curves through folds within the range, where no curve from its ends passes: between two cusps there are folds that
-/// neither end has. Each is followed in both directions. `folds` are those of cells at some values.
+/// neither end has. Each is followed in both directions. `folds` has the folds of cells at some values.
 fn add_inner(
     curves: &mut Vec<Curve>,
     cell: &Cell,
