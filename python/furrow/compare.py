@@ -60,7 +60,7 @@ def counts(
 
     ``measured`` is an embryo that another program followed, which is compared instead, up to its last frame: nuclei (zip) or
     CD table of AceTree, spots of TrackMate, MaMuT (XML, CSV) or Mastodon (CSV), tracks of napari, ultrack (CSV) or the Cell
-    Tracking Challenge (text), GEFF.
+    Tracking Challenge (text), GEFF; or the CSV that ``furrow export`` writes.
 
     ``names`` and ``root`` match cells that have other names than the lineage's. ``names`` is a table with the columns
     ``tracked`` and ``name``, and optionally ``embryo``. ``root`` is ``"TRACKED=NAME"``, a tracked cell and its name, or

@@ -2,7 +2,6 @@
 
 use super::context::{Globals, cache_folder};
 use super::error::CliError;
-use super::messages;
 use super::output::print_as;
 use clap::{Args, Subcommand};
 use furrow_input::InputError;
@@ -35,7 +34,6 @@ enum Action {
 }
 
 pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
-    messages::set_level(globals);
     let allowed = "left out: this command is about the cache";
     InputError::require(!globals.no_cache, "--no-cache", "cache", "--no-cache", allowed)?;
     let folder = cache_folder(globals)?;

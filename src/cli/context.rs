@@ -5,6 +5,7 @@ use super::interrupt;
 use super::messages;
 use super::output::number;
 use super::progress::ProgressLine;
+use super::work;
 use clap::Args;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use furrow_analysis::{Constants, read_constants_of};
@@ -56,7 +57,7 @@ pub struct Globals {
     /// Hides progress and warnings
     #[arg(help_heading = "Output", short, long, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
-    /// Prints more log messages; -vv prints most
+    /// Prints the settings and the work done on stderr; -vv also prints every division
     #[arg(help_heading = "Output", short, long, global = true, action = clap::ArgAction::Count)]
     pub verbose: u8,
 }
@@ -143,7 +144,6 @@ pub struct Context {
 impl Context {
     /// Reads and checks the global options.
     pub fn new(globals: &Globals) -> Result<Context, CliError> {
-        messages::set_level(globals);
         if let Some(threads) = globals.threads {
             scheduler::bound_threads(usize::from(threads));
         }
@@ -153,7 +153,7 @@ impl Context {
             Some(step) => Quantisation::with_relative_step(step)
                 .map_err(|step| InputError::not_allowed("--r0-step", "r0_step", step, "from 0 to 0.5"))?,
         };
-        Ok(Context {
+        let context = Context {
             settings,
             units: Units::default(),
             quantisation,
@@ -161,7 +161,9 @@ impl Context {
             json: globals.json,
             progress: !globals.quiet,
             globals: globals.clone(),
-        })
+        };
+        work::settings(&context);
+        Ok(context)
     }
 
     /// The same for a command that assumes axial symmetry.
@@ -271,18 +273,18 @@ impl Context {
     pub fn memo(&self) -> Result<Memo, CliError> {
         let memo = Memo::new(self.quantisation);
         if self.globals.no_cache {
-            return Ok(memo);
+            return Ok(work::watched(memo, None));
         }
-        match cache_folder(&self.globals).and_then(|folder| Ok(Store::open(&folder)?)) {
-            Ok(store) => {
+        match cache_folder(&self.globals).and_then(|folder| Ok((Store::open(&folder)?, folder))) {
+            Ok((store, folder)) => {
                 interrupt::cached();
-                Ok(memo.with_store(store))
+                Ok(work::watched(memo.with_store(store), Some(&folder)))
             }
             // A folder given by the user must be usable.
             Err(error) if self.globals.cache.is_some() => Err(error),
             Err(error) => {
                 messages::warning!("the cache is disabled, solved divisions are not kept: {error}");
-                Ok(memo)
+                Ok(work::watched(memo, None))
             }
         }
     }
@@ -333,7 +335,11 @@ pub fn cache_folder(globals: &Globals) -> Result<PathBuf, CliError> {
     use etcetera::BaseStrategy;
     let here = Path::new("cache");
     match &globals.cache {
-        Some(folder) => Ok(folder.clone()),
+        Some(folder) => {
+            let (fine, allowed) = (folder.is_dir() || !folder.exists(), "a folder, which is made if it is not there");
+            InputError::require(fine, "--cache", "cache", folder.display(), allowed)?;
+            Ok(folder.clone())
+        }
         None if here.is_dir() => Ok(here.to_owned()),
         None => match etcetera::choose_base_strategy() {
             Ok(strategy) => Ok(strategy.cache_dir().join("furrow")),

@@ -5,7 +5,7 @@ use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::messages;
-use super::output::{filled, merged, named_as_file, not_writable, number, print_as, seed};
+use super::output::{check_seeds, filled, merged, named_as_file, not_writable, number, print_as, seed};
 use super::picture::{DENSE, MovieArgs, MovieFile, Picture, PlotArgs};
 use clap::Args;
 use furrow_cell::{Cell, Cue, Numerics};
@@ -103,6 +103,18 @@ struct Divisions {
     /// The number of failed replicates.
     undecided: usize,
     effects: Effects,
+    /// The cue with position and width from the cell's PAR polarity, if the cue follows it.
+    resolved: Option<Cue>,
+}
+
+impl Divisions {
+    /// Places the cue by the cell's PAR polarity. JSON does not say in words that a cell has none, so a warning does.
+    fn resolve(&mut self, cell: &Cell, json: bool) {
+        self.resolved = resolved_cue(cell);
+        if json && self.resolved.as_ref().is_some_and(Cue::is_none) {
+            messages::warning!("{NO_POLARITY}");
+        }
+    }
 }
 
 /// Describes the effect of the noise on `first`.
@@ -143,6 +155,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
     context.settings.check_divisions("settings")?;
     let input = DivisionInput { cell, numerics: context.settings.numerics, seed: args.seed };
+    check_seeds(args.seed, args.replicates)?;
     writable_frames(args.frames.as_deref())?;
     let every = args.frame_step.map(|step| positive("--frame-step", step)).transpose()?;
     let picture = args.plot.file()?;
@@ -154,10 +167,11 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         args.frames.iter().try_for_each(|path| check_path("--frames", "frames", path))?;
         return without_axis(args, &context, &input, (picture, movie, every));
     }
-    let found = match until {
+    let mut found = match until {
         Some(until) => disturb(args, &context, &input, until)?,
         None => divide(args, &context, &input)?,
     };
+    found.resolve(&input.cell, context.json);
     if args.frames.is_some() || movie.is_wanted() || until.is_none() && picture.is_wanted() {
         interrupt::listen();
         interrupt::abort();
@@ -213,7 +227,8 @@ fn without_axis(
 ) -> Result<(), CliError> {
     let memo = context.memo()?;
     let filming = Filming::of(input.seed);
-    let found = solve(args, context, input, &memo, |one: &DivisionInput| filming.solve(one))?;
+    let mut found = solve(args, context, input, &memo, |one: &DivisionInput| filming.solve(one))?;
+    found.resolve(&input.cell, context.json);
     let draws = args.frames.is_some() || picture.is_wanted() || movie.is_wanted();
     // The bend of a cell without a waist is not stored.
     let bends = found.replicates[0].division.neck_offset.is_none();
@@ -268,6 +283,9 @@ fn resolved_cue(cell: &Cell) -> Option<Cue> {
     Some(resolved.cue.clone())
 }
 
+/// Said of a cell with a cue that follows PAR polarity and does not act.
+const NO_POLARITY: &str = "the cell has no PAR polarity, and no cue acts";
+
 /// The result as JSON: the cell, the first replicate, and all replicates.
 fn document(cell: &Cell, units: &Units, until: Option<f64>, found: &Divisions) -> Value {
     let Divisions { replicates, undecided, .. } = found;
@@ -279,15 +297,18 @@ fn document(cell: &Cell, units: &Units, until: Option<f64>, found: &Divisions) -
         "until": until,
         "start_growth_rate": first.perturbation.as_ref().map(|p| p.start_growth_rate),
     }));
+    // A cell that does not divide has these keys too, without values.
+    let keys = ["u_furrow", "daughters", "chi_mean", "chi_sd"].map(|key| (key.to_owned(), Value::Null));
     let parts = [
         start,
+        Value::Object(keys.into_iter().collect()),
         json!(first),
         json!({ "replicates": replicates }),
         json!(Statistics::of(replicates.iter().map(|one| &one.division))),
         checks_report(&found.effects),
         json!({ "undecided": undecided }),
     ];
-    let of_cell = json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue, "resolved_cue": resolved_cue(cell) });
+    let of_cell = json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue, "resolved_cue": found.resolved });
     let of_cell = filled(of_cell);
     parts.into_iter().fold(of_cell, merged)
 }
@@ -390,8 +411,10 @@ fn text(DivisionInput { cell, numerics, .. }: &DivisionInput, units: &Units, fou
         return out;
     }
     let _ = writeln!(out, ": {}", first.outcome());
-    match resolved_cue(cell) {
-        Some(cue) if cue.is_none() => out += "the cell has no PAR polarity, and no cue acts\n",
+    match &found.resolved {
+        Some(cue) if cue.is_none() => {
+            let _ = writeln!(out, "{NO_POLARITY}");
+        }
         Some(cue) => {
             let _ = writeln!(out, "with PAR polarity the cue is {cue}");
         }

@@ -74,7 +74,6 @@ struct ObservedArgs {
 }
 
 pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
-    messages::set_level(globals);
     let (Some(file), Some(format)) = (&args.tree, args.to) else { return print(TREE_SCHEMA) };
     check(args, format, globals)?;
     if is_observed(file) {

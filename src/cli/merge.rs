@@ -2,7 +2,6 @@
 
 use super::context::Globals;
 use super::error::CliError;
-use super::messages;
 use super::output::{print_as, writable_file, writable_folder};
 use clap::Args;
 use furrow_analysis::hypotheses::{MergedSample, merge_parts};
@@ -28,7 +27,6 @@ pub struct MergeArgs {
 }
 
 pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
-    messages::set_level(globals);
     // The merged files would overwrite the part.
     let same = |a: &Path, b: &Path| a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b));
     for part in &args.parts {

@@ -36,9 +36,14 @@ pub fn set_level(globals: &Globals) {
     PRINTED.store(printed, Ordering::Relaxed);
 }
 
+/// Whether messages of a level are printed.
+pub fn is_printed(level: Level) -> bool {
+    level as u8 <= PRINTED.load(Ordering::Relaxed)
+}
+
 /// Prints a message if its level is enabled.
 pub fn write(level: Level, message: Arguments<'_>) {
-    if level as u8 > PRINTED.load(Ordering::Relaxed) {
+    if !is_printed(level) {
         return;
     }
     let (colour, name) = match level {

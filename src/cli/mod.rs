@@ -32,16 +32,20 @@ mod sweep;
 mod test;
 mod tree;
 mod vary;
+mod work;
 
 use clap::error::ErrorKind;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use context::{Context, Globals};
 pub use error::CliError;
+use messages::Level;
 use std::borrow::Cow;
 use std::cell::RefCell;
 use std::ffi::OsString;
+use std::fmt::Write;
 use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Instant;
 
 /// Predicts cell divisions of embryos from mechanics: how unequal they are, how many rounds there are, and when a lineage stops.
 ///
@@ -196,9 +200,9 @@ pub fn command() -> clap::Command {
 /// Runs the command line of this process. Exit codes: 0, done; 1, the computation failed; 2, invalid input.
 pub fn main() -> ExitCode {
     survive_full_disks();
-    let mut options = Vec::new();
-    let done = match parse(&mut options) {
-        Ok((globals, command)) => run(&globals, command),
+    let (mut options, mut name) = (Vec::new(), String::new());
+    let done = match parse(&mut options, &mut name) {
+        Ok((globals, command)) => run(&globals, command, &name),
         Err(error) => output::print_usage(&error),
     };
     match done {
@@ -222,8 +226,8 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
 }
 
 /// Parses the arguments. clap copies the global options into each registered command; if the first argument is a command, only this
-/// command is registered, to save time. The names of the command's options are added to `options`.
-fn parse(options: &mut Vec<String>) -> Result<(Globals, Command), clap::Error> {
+/// command is registered, to save time. The names of the command's options are added to `options`, its own name to `called`.
+fn parse(options: &mut Vec<String>, called: &mut String) -> Result<(Globals, Command), clap::Error> {
     let first = std::env::args_os().nth(1);
     let known = match first.filter(|name| name.to_str().is_some_and(Command::has_subcommand)) {
         Some(name) => {
@@ -238,6 +242,7 @@ fn parse(options: &mut Vec<String>) -> Result<(Globals, Command), clap::Error> {
     let mut matches = known.try_get_matches_from_mut(std::env::args_os())?;
     let (mut command, mut below) = (&known, &matches);
     while let Some((name, matches)) = below.subcommand() {
+        let _ = write!(called, " {name}");
         (command, below) = (command.find_subcommand(name).unwrap_or(command), matches);
     }
     options.extend(command.get_arguments().filter_map(clap::Arg::get_long).map(str::to_owned));
@@ -305,7 +310,16 @@ fn with_axis<'a>(globals: &'a Globals, command: &Command) -> Result<Cow<'a, Glob
     Ok(Cow::Owned(axis.applied(globals)?))
 }
 
-fn run(globals: &Globals, command: Command) -> Result<(), CliError> {
+fn run(globals: &Globals, command: Command, name: &str) -> Result<(), CliError> {
+    messages::set_level(globals);
+    let start = Instant::now();
+    messages::write(Level::Info, format_args!("furrow {}{name}", env!("CARGO_PKG_VERSION")));
+    let done = perform(globals, command);
+    work::report(start);
+    done
+}
+
+fn perform(globals: &Globals, command: Command) -> Result<(), CliError> {
     // A cached division takes less time than installing the Ctrl-C handler, so `divide` installs it itself when needed.
     if !matches!(command, Command::Divide(_)) {
         interrupt::listen();

@@ -103,6 +103,13 @@ pub fn seed(text: &str) -> Result<u64, String> {
     text.trim().parse().map_err(|_| format!("must be a whole number from 0 to {}", u64::MAX))
 }
 
+/// Requires that all replicates have seeds: S, S+1, and so on.
+pub fn check_seeds(seed: u64, replicates: u32) -> Result<(), InputError> {
+    let largest = u64::MAX - u64::from(replicates.saturating_sub(1));
+    let allowed = || format!("at most {largest} with --replicates {replicates}, which take the seeds S, S+1, ...");
+    InputError::require(seed <= largest, "--seed", "seed", seed, allowed())
+}
+
 /// A number with a given number of digits, or a dash.
 pub fn or_dash(value: Option<f64>, digits: usize) -> String {
     value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))

@@ -5,7 +5,7 @@ use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::messages::{self, Level};
-use super::output::{filled, merged, print_as, seed, to_json, writable_folder};
+use super::output::{check_seeds, filled, merged, print_as, seed, to_json, writable_folder};
 use super::picture::PlotArgs;
 use clap::Args;
 use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
@@ -58,7 +58,7 @@ pub struct TreeArgs {
     /// Grows the tree with N seeds, S, S+1, ..., and prints the range of the counts; writes the files of seed S, and spread.csv
     ///
     /// If χ of a division agrees within 0.001 between seeds S and S+1, all trees share that division, and no other seed is computed.
-    #[arg(help_heading = "Numerics", long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    #[arg(help_heading = "Numerics", long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub replicates: Option<u32>,
     /// Computes the division of every cell, including cells below the critical radius of their cue
     #[arg(help_heading = "Numerics", long, conflicts_with = "constants")]
@@ -126,6 +126,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         let allowed = "given with one lineage and at most one --cue";
         InputError::require(!several, "--constants", "constants", format!("{file:?}"), allowed)?;
     }
+    check_seeds(args.seed, args.replicates.unwrap_or(1))?;
     let picture = args.plot.file()?;
     let scenarios = if several { combined(args, context)? } else { vec![single(args, context)?] };
     let lineages: Vec<&Lineage> = scenarios.iter().map(|scenario| &scenario.lineage).collect();

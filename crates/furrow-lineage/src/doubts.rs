@@ -2,10 +2,12 @@
 
 use super::definition::{Lineage, matches};
 use super::founder::Daughter;
-use super::tree::{TerminalReason, Tree, TreeCell};
+use super::tree::{CellId, TerminalReason, Tree, TreeCell};
 use super::units::{Length, size_doubt};
 use furrow_cell::Cell;
 use furrow_input::rounded_number;
+use furrow_mechanics::division::Outcome;
+use furrow_mechanics::polarity::resolved;
 
 /// Largest number of undecided cells with a sentence of their own.
 const MOST_UNDECIDED: usize = 5;
@@ -43,16 +45,40 @@ impl Lineage {
 
 impl Tree {
     /// Doubts about the tree: cells that are undecided, cells that die according to the lineage but are not born, a law that names
-    /// a regulator which cells lack, a larger daughter that is the smaller one, and an origin of the clock that does not take place.
+    /// a regulator which cells lack, a cue that does not act, a larger daughter that is the smaller one, and an origin of the clock that does not take place.
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = self.undecided();
         let born = |pattern: &&String| self.cells().any(|id| matches(pattern, &self.cell(id).name));
         let unborn = self.lineage.dies.iter().filter(|pattern| !born(pattern));
         doubts.extend(unborn.map(|pattern| format!("dies: the tree has no cell {pattern:?}")));
         doubts.extend(self.lacks_regulator());
+        doubts.extend(self.idle_cues());
         doubts.extend(self.smaller_than_sisters());
         doubts.extend(self.other_origin());
         doubts
+    }
+
+    /// Says which cues follow a PAR polarity that the largest of their cells does not have. To save time it is looked for only where the
+    /// outcome does not show that the cue acts.
+    fn idle_cues(&self) -> impl Iterator<Item = String> + '_ {
+        let mut largest: Vec<CellId> = Vec::new();
+        for id in self.cells().filter(|id| self.cell(*id).cue.follows_par()) {
+            let cell = self.cell(id);
+            match largest.iter_mut().find(|other| self.cell(**other).cue == cell.cue) {
+                Some(other) if cell.r0 > self.cell(*other).r0 => *other = id,
+                Some(_) => {}
+                None => largest.push(id),
+            }
+        }
+        largest.into_iter().filter_map(|id| {
+            let TreeCell { name, r0, cue, fate, .. } = self.cell(id);
+            let is_idle = fate.outcome() != Some(Outcome::Asymmetric)
+                && resolved(&self.parameters(id)).is_ok_and(|resolved| resolved.cue.is_none());
+            let r0 = rounded_number(*r0, 4);
+            is_idle.then(|| {
+                format!("the cue {cue} does not act in {name} (R0 = {r0}), the largest cell that has it: the cell has no PAR polarity")
+            })
+        })
     }
 
     /// Says which founders are the larger daughter by the lineage, but smaller than their sister, by a radius of their own.

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::io::Read;
 
 use furrow_input::table::Table;
-use furrow_input::{InputError, listed, open_file};
+use furrow_input::{InputError, listed};
 use ordered_float::OrderedFloat;
 use serde::Serialize;
 
@@ -23,7 +23,7 @@ use crate::per_embryo::PerEmbryo;
 use crate::several::Source;
 use crate::significance::{Sample, Trend, paired, power, sign_test, welch};
 use crate::statistics::{grouped, mean, sd, smaller};
-use crate::tracked::{EmbryoFile, TrackOptions, TrackedLineage, read_tracked};
+use crate::tracked::{EmbryoFile, TrackOptions, TrackedLineage, open_table, read_tracked};
 use crate::volumes::{EmbryoSize, MOST_PLACES, Skipped, Value, Volumes, note, require_used};
 
 /// How long a cell lives in some embryos.
@@ -249,7 +249,7 @@ impl Lifetimes {
         for EmbryoFile { path, name } in files {
             let (file, frame_minutes) = (path.display().to_string(), options.frame_minutes.of(name));
             match read_tracked(path, &TrackOptions { frame_minutes, without_sizes: true, ..TrackOptions::default() })? {
-                None => found.read_table(open_file(path)?, (&file, files.len() > 1), &mut rows)?,
+                None => found.read_table(open_table(path)?, (&file, files.len() > 1), &mut rows)?,
                 Some(mut embryo) => {
                     embryo.name.clone_from(name);
                     embryo.match_names(&options.names)?;

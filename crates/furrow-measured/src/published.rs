@@ -53,7 +53,10 @@ struct Row {
     n: usize,
     mean: Option<f64>,
     sd: Option<f64>,
-    mean_signed: f64,
+    /// None where daughters are named larger and smaller: their difference has no sign of its own.
+    #[serde(default)]
+    mean_signed: Option<f64>,
+    #[serde(default)]
     sd_signed: Option<f64>,
     #[serde(default)]
     mother_volume: Option<f64>,
@@ -120,12 +123,15 @@ fn rows<T: DeserializeOwned>(table: &str, file: &str) -> Result<Vec<T>, InputErr
 fn groups_of(table: &str, file: &str) -> Result<Vec<GroupSummary>, InputError> {
     let mut groups: Vec<GroupSummary> = Vec::new();
     for row in rows::<Row>(table, file)? {
+        let Some(mean) = row.mean.or(row.mean_signed.map(f64::abs)) else {
+            return Err(InputError::not_allowed(file, "mean", "none", "given, or mean_signed in its place"));
+        };
         let event = MotherSummary {
             mother: row.mother,
             n: row.n,
-            mean: row.mean.unwrap_or(row.mean_signed.abs()),
+            mean,
             sd: row.sd.or(row.sd_signed),
-            mean_signed: Some(row.mean_signed),
+            mean_signed: row.mean_signed,
             sd_signed: row.sd_signed,
             mother_volume: row.mother_volume,
         };

@@ -20,7 +20,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
 
 use furrow_input::table::{Header, Numbers, Row, Table, malformed, text, unit_of};
-use furrow_input::{InputError, csv_value, open_file};
+use furrow_input::{InputError, csv_value};
 use serde::Serialize;
 
 use crate::division_table::{chi_division, division};
@@ -35,7 +35,7 @@ use crate::names::Names;
 use crate::pace::{InEmbryos, Shares, shares};
 use crate::per_embryo::PerEmbryo;
 use crate::several::Source;
-use crate::tracked::{EmbryoFile, TrackOptions, TrackedCell, TrackedLineage, read_tracked};
+use crate::tracked::{EmbryoFile, TrackOptions, TrackedCell, TrackedLineage, open_table, read_tracked};
 
 /// Options for reading a table.
 #[derive(Clone, Debug, Default)]
@@ -166,7 +166,9 @@ impl Skipped {
 impl std::fmt::Display for Skipped {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Skipped { file, line, column, value, why } = self;
-        write!(f, "{file}:{line}, column {column}: {value:?}: {why}")
+        // A field beyond the heading has no column.
+        let column = if column.is_empty() { String::new() } else { format!(", column {column}") };
+        write!(f, "{file}:{line}{column}: {value:?}: {why}")
     }
 }
 
@@ -368,7 +370,7 @@ impl Volumes {
                 lineage.name.clone_from(name);
                 self.add_tracked(lineage, options)
             }
-            None => self.read(open_file(path)?, &path.display().to_string(), options),
+            None => self.read(open_table(path)?, &path.display().to_string(), options),
         }
     }
 

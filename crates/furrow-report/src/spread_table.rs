@@ -16,7 +16,9 @@ const CELLS: usize = 4;
 pub fn spread_table(scenarios: &[Scenario], spread: &[LineageRanges]) -> String {
     let members = spread.first().map_or(0, |ranges| ranges.members);
     let several = scenarios.len() > 1;
-    let mut out = format!("{members} seeds of the noise: median, and [5 %, 95 %] where it differs from the median\n");
+    let plural = if members == 1 { "" } else { "s" };
+    let mut out =
+        format!("{members} seed{plural} of the noise: median, and [5 %, 95 %] where it differs from the median\n");
     for (k, (scenario, ranges)) in scenarios.iter().zip(spread).enumerate() {
         out.push('\n');
         if several {

@@ -12,7 +12,7 @@ use clap::Args;
 use furrow_analysis::compare::counts::{Count, Counts, READINGS, StageCounts, counts, counts_of_embryo};
 use furrow_figures::plot;
 use furrow_formats::read_tree;
-use furrow_input::InputError;
+use furrow_input::{InputError, listed};
 use furrow_measured::tracked::{Absent, TrackOptions, read_embryo};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ pub struct CountsArgs {
     #[arg(value_name = "TREE.json|LINEAGE.ron")]
     tree: Option<PathBuf>,
     /// An embryo tracked by another program: nuclei (zip) or CD table of AceTree, spots of TrackMate, MaMuT (XML, CSV) or Mastodon
-    /// (CSV), tracks of napari, ultrack (CSV) or the Cell Tracking Challenge (txt), GEFF
+    /// (CSV), tracks of napari, ultrack (CSV) or the Cell Tracking Challenge (txt), GEFF; or the CSV of furrow export
     #[arg(help_heading = "Tables", long, value_name = "FILE")]
     measured: Option<PathBuf>,
     #[command(flatten)]
@@ -65,6 +65,9 @@ pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
     if let Some(first) = found.skipped.first() {
         messages::warning!("{} values or cells are not used; the first is {first}", found.skipped_count);
     }
+    if !found.not_followed.is_empty() {
+        messages::warning!("{}", not_followed_text(&found));
+    }
     picture.write(|| plot::rounds::draw(&tree))?;
     print_as(context.json, &found, || counts_text(&found))
 }
@@ -90,8 +93,11 @@ fn counts_text(found: &Counts) -> String {
     for Absent { founder, why } in &found.absent {
         let _ = writeln!(out, "no row for {founder}: {why}");
     }
+    if !found.not_followed.is_empty() {
+        let _ = writeln!(out, "{}", not_followed_text(found));
+    }
     out += &skipped_text(&[(&found.skipped, found.skipped_count)]);
-    if !found.absent.is_empty() || !found.skipped.is_empty() {
+    if !(found.absent.is_empty() && found.not_followed.is_empty() && found.skipped.is_empty()) {
         out.push('\n');
     }
     if !found.sentence.is_empty() {
@@ -116,6 +122,12 @@ fn counts_text(found: &Counts) -> String {
         let _ = writeln!(out, "  {:<6} {}{r0}", ends.founder, reasons.join(", "));
     }
     out
+}
+
+/// The cells that were not followed although their sisters were.
+fn not_followed_text(found: &Counts) -> String {
+    let cells = listed(found.not_followed.iter().map(String::as_str), ", ");
+    format!("not followed although the sister was, and each counted as one terminal cell: {cells}")
 }
 
 /// The model's count and the observed one, if known.

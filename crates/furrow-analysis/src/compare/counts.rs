@@ -8,7 +8,7 @@ use furrow_input::{InputError, listed, parse_document};
 use furrow_lineage::{Founder, Lineage, ObservedRounds, Rounds, Tree, founder_rounds};
 use furrow_measured::matching::Matched;
 use furrow_measured::names::Names;
-use furrow_measured::tracked::{Absent, TrackedLineage, TrackedRounds};
+use furrow_measured::tracked::{Absent, FollowedRounds, TrackedLineage, TrackedRounds};
 use furrow_measured::volumes::Skipped;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -125,6 +125,9 @@ pub struct Counts {
     /// Founders without rounds in an embryo that was followed.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub absent: Vec<Absent>,
+    /// Cells of such an embryo that were not followed although their sisters were: each counts as one terminal cell.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_followed: Vec<String>,
     /// Values of such an embryo that cannot be used, and its cells with other names than the lineage's; the first of them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub skipped: Vec<Skipped>,
@@ -153,17 +156,17 @@ pub fn counts_of_embryo(
         // As in the model: the first generation with a terminal cell is the first that does not double fully.
         ObservedAtStage { founder: cell, cells: terminal, min, mean, max, full_doublings: min }
     };
-    let (rounds, absent) = measured.rounds(&names, cells);
-    let founders: Vec<ObservedAtStage> = rounds.into_iter().map(observed).collect();
+    let FollowedRounds { founders, absent, terminal, not_followed } = measured.rounds(&names, cells);
+    let founders: Vec<ObservedAtStage> = founders.into_iter().map(observed).collect();
     let names = listed(names.iter().copied(), ", ");
     let allowed = format!("those of at least one founder: {names}; other names can be matched (--names, --root)");
     let known = listed(measured.cells.iter().map(|cell| cell.name.as_str()), ", ");
     InputError::require(!founders.is_empty(), source_name, "names", known, allowed)?;
-    let stage = Stage { cells: measured.terminal(cells), founders };
+    let stage = Stage { cells: terminal, founders };
     let stages = vec![at_stage(tree, &founder_rounds(tree), &stage)];
     let (skipped, skipped_count) = measured.skipped_with_names(cells);
     let matched = measured.matched.clone();
-    Ok(Counts { absent, skipped, skipped_count, matched, ..Counts::of(tree, stages) })
+    Ok(Counts { absent, not_followed, skipped, skipped_count, matched, ..Counts::of(tree, stages) })
 }
 
 impl Counts {

@@ -174,7 +174,7 @@ fn founder_of(lineage: &Lineage, names: &Names, cell: &str) -> Option<usize> {
     line.find_map(|cell| lineage.founder_named(cell))
 }
 
-/// The volume of the first cell: measured, or 1 where volumes are fractions.
+/// The volume of the first cell: measured, or 1 where volumes are fractions, or the sum of her daughters'.
 fn first_volume(
     lineage: &Lineage,
     means: &BTreeMap<String, f64>,
@@ -182,11 +182,14 @@ fn first_volume(
     files: &str,
 ) -> Result<f64, InputError> {
     let first = &lineage.founders[lineage.first()].name;
-    match (means.get(first), unit) {
-        (Some(volume), _) => Ok(*volume),
-        (None, Some(Unit::Relative)) => Ok(1.0),
-        (None, _) => {
-            let allowed = format!("given for the first cell, {first}: lifetimes are relative to it");
+    let daughters = || names_of(lineage).daughters(first).map(|daughters| daughters.map(|name| means.get(&name)));
+    match (means.get(first), unit, daughters()) {
+        (Some(volume), ..) => Ok(*volume),
+        (None, Some(Unit::Relative), _) => Ok(1.0),
+        (None, _, Some([Some(one), Some(other)])) => Ok(one + other),
+        (None, ..) => {
+            let allowed =
+                format!("given for the first cell, {first}, or both its daughters: lifetimes are relative to it");
             Err(InputError::not_allowed(files, "volumes", "(not given)", allowed))
         }
     }

@@ -27,6 +27,30 @@ pub struct Memo {
     quantisation: Quantisation,
     table: DashMap<Key, Slot, BuildHasherDefault<PrefixHasher>>,
     store: Option<Store>,
+    observer: Option<Observer>,
+}
+
+/// Is told what becomes of every requested division, on any thread.
+pub type Observer = fn(&Key, Noted<'_>);
+
+/// What becomes of a requested division.
+#[derive(Clone, Copy, Debug)]
+pub enum Noted<'a> {
+    /// It is known.
+    Known {
+        /// The division.
+        division: &'a Division,
+        /// Whether it came from the store now.
+        stored: bool,
+    },
+    /// It is being solved for another request.
+    Awaited,
+    /// A solver begins; on the same thread it ends with one of the following.
+    Begun,
+    /// It is solved.
+    Solved(&'a DivisionInput, &'a Division),
+    /// It could not be solved.
+    Failed(&'a DivisionInput),
 }
 
 #[derive(Debug)]
@@ -95,7 +119,34 @@ impl Memo {
     pub fn new(quantisation: Quantisation) -> Memo {
         // The default number of shards requires a system call for the number of cores, which takes longer than a look-up.
         let table = DashMap::with_hasher_and_shard_amount(BuildHasherDefault::default(), 16);
-        Memo { quantisation, table, store: None }
+        Memo { quantisation, table, store: None, observer: None }
+    }
+
+    /// The same memo with an observer.
+    ///
+    /// ```
+    /// use furrow_lineage::batch::{Memo, Noted, Quantisation};
+    /// use std::sync::atomic::{AtomicUsize, Ordering};
+    ///
+    /// static SOLVED: AtomicUsize = AtomicUsize::new(0);
+    /// let memo = Memo::new(Quantisation::DEFAULT).observed_by(|_, noted| {
+    ///     SOLVED.fetch_add(usize::from(matches!(noted, Noted::Solved(..))), Ordering::Relaxed);
+    /// });
+    /// let input = furrow_mechanics::division::DivisionInput::new(furrow_cell::Cell::new(1.5));
+    /// for _ in 0..2 {
+    ///     memo.solve(&input, furrow_lineage::batch::solve)?;
+    /// }
+    /// assert_eq!(SOLVED.load(Ordering::Relaxed), 1);
+    /// # Ok::<(), furrow_lineage::batch::Failure>(())
+    /// ```
+    pub fn observed_by(self, observer: Observer) -> Memo {
+        Memo { observer: Some(observer), ..self }
+    }
+
+    fn note(&self, key: &Key, noted: Noted<'_>) {
+        if let Some(observer) = self.observer {
+            observer(key, noted);
+        }
     }
 
     /// The same memo over a store: it reads the store's divisions and commits new ones to it.
@@ -152,14 +203,19 @@ impl Memo {
         let stored = if self.table.contains_key(&key) { None } else { self.stored(&key) };
         match (self.table.entry(key), stored) {
             (Entry::Occupied(mut occupied), _) => match occupied.get_mut() {
-                Slot::Solved(division) => Request::Known { division: Arc::clone(division), stored: false },
+                Slot::Solved(division) => {
+                    self.note(&key, Noted::Known { division, stored: false });
+                    Request::Known { division: Arc::clone(division), stored: false }
+                }
                 Slot::InFlight(waiters) => {
                     waiters.push(waiter.clone());
+                    self.note(&key, Noted::Awaited);
                     Request::Pending
                 }
             },
             (Entry::Vacant(vacant), Some(division)) => {
                 vacant.insert(Slot::Solved(Arc::clone(&division)));
+                self.note(&key, Noted::Known { division: &division, stored: true });
                 Request::Known { division, stored: true }
             }
             (Entry::Vacant(vacant), None) => {
@@ -231,9 +287,12 @@ impl Lease<'_> {
     pub fn solve(mut self, input: &DivisionInput, solve: impl Solve) {
         self.open = false;
         let completion = match self.memo.stored(&self.key) {
-            Some(division) => Completion::Known { division, stored: true },
+            Some(division) => {
+                self.memo.note(&self.key, Noted::Known { division: &division, stored: true });
+                Completion::Known { division, stored: true }
+            }
             // A panic must not end the pool and the process, since the divisions of other workers would be lost.
-            None => match catch_unwind(AssertUnwindSafe(|| solve(input))) {
+            None => match self.solved(input, solve) {
                 Ok(Ok(division)) => {
                     if let Some(store) = &self.memo.store {
                         store.commit(&self.key, input, &division);
@@ -245,6 +304,20 @@ impl Lease<'_> {
             },
         };
         self.complete(completion);
+    }
+
+    /// The solver's answer, or its panic.
+    fn solved(&self, input: &DivisionInput, solve: impl Solve) -> Result<Result<Division, DivisionError>, Panic> {
+        self.memo.note(&self.key, Noted::Begun);
+        let found = catch_unwind(AssertUnwindSafe(|| solve(input)));
+        self.memo.note(
+            &self.key,
+            match &found {
+                Ok(Ok(division)) => Noted::Solved(input, division),
+                _ => Noted::Failed(input),
+            },
+        );
+        found
     }
 
     /// Replaces the slot in progress and notifies the waiters. Failures are not stored.
@@ -268,6 +341,9 @@ impl Drop for Lease<'_> {
         }
     }
 }
+
+/// The payload of a panic.
+type Panic = Box<dyn std::any::Any + Send>;
 
 fn panic_text(payload: &(dyn std::any::Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());

@@ -20,7 +20,7 @@ pub mod store;
 mod fake;
 
 pub use key::{Key, SOLVER_VERSION};
-pub use memo::{Failure, Memo};
+pub use memo::{Failure, Memo, Noted, Observer};
 pub use phase::{PhaseDiagram, PhasePlane};
 pub use quantisation::Quantisation;
 pub use replicates::{Replicates, replicates, replicates_by};

@@ -131,7 +131,8 @@ impl NameMap {
     }
 
     /// Requires that all cells were met. Cells of embryos that no table has are not required.
-    pub(super) fn require_met(&self) -> Result<(), InputError> {
+    /// The error about a missing cell ends with `after`.
+    pub(super) fn require_met(&self, after: &str) -> Result<(), InputError> {
         let is_met = |met: &AtomicBool| met.load(Ordering::Relaxed);
         let of_read = |row: &&MapRow| row.embryo.is_empty() || self.embryos.get(&row.embryo).is_some_and(is_met);
         if let Some(row) = self.rows.first().filter(|_| !self.rows.iter().any(|row| of_read(&row))) {
@@ -142,7 +143,7 @@ impl NameMap {
             None => Ok(()),
             Some(row) => {
                 let of = if row.embryo.is_empty() { String::new() } else { format!(" of {}", shown(&row.embryo)) };
-                let why = format!("tracked = {}: must be a cell{of} in the tables", shown(&row.tracked));
+                let why = format!("tracked = {}: must be a cell{of} in the tables{after}", shown(&row.tracked));
                 Err(self.refused(row, why))
             }
         }

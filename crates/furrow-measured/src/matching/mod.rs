@@ -17,6 +17,7 @@ mod report;
 mod topology;
 
 use std::path::Path;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use furrow_input::{InputError, open_file};
@@ -24,6 +25,7 @@ use furrow_input::{InputError, open_file};
 pub use report::{By, Matched, MatchedDivision, MatchedRoot, Unmatched};
 
 use crate::names::Names;
+use crate::tracked::TrackedLineage;
 use map::NameMap;
 
 /// How cells with other names are matched to the cells of a lineage.
@@ -33,6 +35,8 @@ pub struct Matching {
     roots: Vec<Root>,
     /// What errors call the roots.
     source: String,
+    /// The first embryo of which something could not be used, as errors tell: a cell that is missing may have been in it.
+    skipped: OnceLock<String>,
 }
 
 /// A tracked cell with a name, below which names follow from divisions.
@@ -111,13 +115,30 @@ impl Matching {
         self.map.name_of(embryo, tracked)
     }
 
+    /// Notes what could not be used of an embryo.
+    fn note_skipped(&self, embryo: &TrackedLineage) {
+        if let Some(first) = embryo.skipped.first() {
+            let text =
+                || format!(" (what could not be used may have it: the first of {} is {first})", embryo.skipped_count);
+            self.skipped.get_or_init(text);
+        }
+    }
+
+    /// What could not be used, at the end of an error about a cell that is missing.
+    fn after_skipping(&self) -> &str {
+        self.skipped.get().map_or("", String::as_str)
+    }
+
     /// Requires that each name of a tracked cell was met.
     pub(crate) fn require_met(&self) -> Result<(), InputError> {
-        self.map.require_met()?;
+        self.map.require_met(self.after_skipping())?;
         let Some(root) = self.roots.iter().find(|root| !root.met.load(Ordering::Relaxed)) else { return Ok(()) };
         let (value, allowed) = match &root.tracked {
-            Some(tracked) => (tracked, "a cell of a tracked embryo"),
-            None => (&root.name, "given with an embryo that has mothers and daughters; a table of cells has none"),
+            Some(tracked) => (tracked, format!("a cell of a tracked embryo{}", self.after_skipping())),
+            None => {
+                let allowed = "given with an embryo that has mothers and daughters; a table of cells has none";
+                (&root.name, allowed.to_owned())
+            }
         };
         Err(InputError::not_allowed(&self.source, "root", format!("{value:?}"), allowed))
     }

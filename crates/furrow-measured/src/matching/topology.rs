@@ -19,6 +19,7 @@ impl TrackedLineage {
     pub fn match_names(&mut self, names: &Names) -> Result<(), InputError> {
         self.follow_names(names);
         let Some(matching) = names.matching() else { return Ok(()) };
+        matching.note_skipped(self);
         let mut found = Search::of(self, names, matching)?;
         found.name_by_table()?;
         found.name_roots()?;

@@ -8,6 +8,7 @@
 //! | `xml` | the files of TrackMate and MaMuT |
 //! | `track_tables` | tables of tracks of napari, ultrack, btrack, funtracks and ilastik |
 //! | `ctc` | tracks of the Cell Tracking Challenge |
+//! | `exported` | cells with their mothers, as furrow exports trees and embryos |
 //! | `geff`, `geff_units`, `zarr`, `shards`, `unpack` | GEFF, the graph exchange format, in Zarr arrays |
 //! | `container` | the GEFF inside a folder |
 //! | `files` | the embryos in folders and patterns |
@@ -31,6 +32,7 @@ mod cd;
 mod chains;
 mod container;
 mod ctc;
+mod exported;
 mod files;
 mod geff;
 mod geff_units;
@@ -50,7 +52,7 @@ mod xml;
 mod zarr;
 
 use std::collections::HashMap;
-use std::io::Read;
+use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use furrow_input::table::text;
@@ -59,7 +61,7 @@ use serde::Serialize;
 
 pub use files::{EmbryoFile, LeftOut, TableKind, embryo_files};
 pub use lifetimes::TrackedLifetimes;
-pub use rounds::{Absent, TrackedRounds};
+pub use rounds::{Absent, FollowedRounds, TrackedRounds};
 
 use crate::matching::Matched;
 use crate::names::Names;
@@ -241,6 +243,8 @@ pub enum Format {
     Tracks,
     /// Tracks of the Cell Tracking Challenge.
     Ctc,
+    /// Cells with their mothers, as furrow exports them.
+    Exported,
 }
 
 impl Format {
@@ -255,6 +259,7 @@ impl Format {
             Format::TrackMateXml => "spots of TrackMate or MaMuT",
             Format::Tracks => "table of tracks",
             Format::Ctc => "tracks of the Cell Tracking Challenge",
+            Format::Exported => "table of cells of furrow export",
         }
     }
 }
@@ -322,24 +327,64 @@ fn located_file(path: &Path) -> Result<Option<(Format, PathBuf)>, InputError> {
         let reason = "it has the nuclei of one frame: the folder or the archive with all frames must be given";
         return Err(InputError::other_file(path.display(), "an embryo that was followed", reason));
     }
-    let is_heading = |line: &&str| !line.trim().is_empty() && !line.starts_with(['#']) && !line.starts_with("sep=");
+    Ok(format_by_columns(&text).and_then(here))
+}
+
+/// The format of a table by the names of its columns. Lines of separators alone, as spreadsheets write empty rows, are no heading.
+fn format_by_columns(text: &str) -> Option<Format> {
+    let is_filled = |line: &str| line.contains(|c: char| !c.is_whitespace() && ![',', ';', '"'].contains(&c));
+    let is_heading = |line: &&str| is_filled(line) && !line.starts_with(['#']) && !line.starts_with("sep=");
     let line = text.split(['\n', '\r']).find(is_heading).unwrap_or_default();
     let separators: &[char] = if line.contains([',', ';', '\t']) { &[',', ';', '\t'] } else { &[' '] };
     let columns: Vec<&str> =
         line.split(separators).map(|name| name.trim_matches(|c: char| c == '"' || c.is_whitespace())).collect();
     let cd = cd::is_table(&columns).then_some(Format::CdTable);
     let tracks = || track_tables::is_table(&columns).then_some(Format::Tracks);
-    Ok(cd.or_else(|| spot_tables::format_of(&columns)).or_else(tracks).and_then(here))
+    cd.or_else(|| spot_tables::format_of(&columns)).or_else(tracks)
 }
 
-/// Reads an embryo that was followed, with its cells [matched](crate::matching) to these names; a file in another format is an error.
+/// Why an embryo must be a file.
+const NO_PIPE: &str = "must be a file and no pipe, which can be read only once";
+
+/// Opens a table, which may be a pipe.
+///
+/// # Errors
+/// A file that cannot be read; a pipe with an embryo that was followed.
+pub(crate) fn open_table(path: &Path) -> Result<Box<dyn Read>, InputError> {
+    let mut opened = open_file(path)?;
+    if path.is_file() {
+        return Ok(Box::new(opened));
+    }
+    let mut head = Vec::new();
+    (&mut opened).take(HEAD).read_to_end(&mut head).map_err(|e| InputError::unreadable(path, e))?;
+    let text = text(&head);
+    let format = match () {
+        () if head.starts_with(b"PK\x03\x04") => Some(Format::AceTree),
+        () if xml::is_model(&text) => Some(Format::TrackMateXml),
+        () if foreign::is_ctc(&text) => Some(Format::Ctc),
+        () => format_by_columns(&text),
+    };
+    match format {
+        Some(format) => {
+            let reason = format!("an embryo that was followed ({}) {NO_PIPE}", format.name());
+            Err(InputError::other_file(path.display(), "a table", reason))
+        }
+        None => Ok(Box::new(Cursor::new(head).chain(opened))),
+    }
+}
+
+/// Reads an embryo that was followed, with its cells [matched](crate::matching) to these names; a file in another format is an error. A
+/// table of cells with their mothers, as furrow exports trees and embryos, is such an embryo too.
 ///
 /// # Errors
 /// As [`read_tracked`] and [`TrackedLineage::match_names`]; a file outside the [formats](Format).
 pub fn read_embryo(path: &Path, options: &TrackOptions, names: &Names) -> Result<TrackedLineage, InputError> {
     let reason = "it is neither of AceTree, StarryNite, TrackMate, MaMuT, Mastodon, napari, ultrack, the Cell Tracking Challenge nor GEFF";
+    let reason = if path.is_file() { reason.to_owned() } else { format!("it {NO_PIPE}") };
     let other = || InputError::other_file(path.display(), "an embryo that was followed", reason);
-    let mut embryo = read_tracked(path, options)?.ok_or_else(other)?;
+    let exported = || if path.is_file() { exported::read(path) } else { Ok(None) };
+    let embryo = read_tracked(path, options)?.map_or_else(exported, |embryo| Ok(Some(embryo)))?;
+    let mut embryo = embryo.ok_or_else(other)?;
     embryo.match_names(names)?;
     Ok(embryo)
 }
@@ -358,6 +403,7 @@ pub fn read_tracked(path: &Path, options: &TrackOptions) -> Result<Option<Tracke
         Format::TrackMateXml => xml::read(path, options),
         Format::Tracks => track_tables::read(path, options),
         Format::Ctc => ctc::read(&place, name_of(path)),
+        Format::Exported => return exported::read(path),
     }?;
     if let Some(minutes) = options.frame_minutes.filter(|_| lineage.time == TimeUnit::Frames) {
         lineage.time = TimeUnit::Minutes;

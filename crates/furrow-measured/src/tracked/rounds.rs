@@ -1,6 +1,6 @@
 //! Rounds of division in a followed embryo.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use serde::Serialize;
 
@@ -32,17 +32,31 @@ pub struct Absent {
     pub why: String,
 }
 
+/// Rounds of division of an embryo that was followed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FollowedRounds {
+    /// Of the founders.
+    pub founders: Vec<TrackedRounds>,
+    /// The founders without rounds.
+    pub absent: Vec<Absent>,
+    /// Terminal cells of the embryo: those with a name, and those below a cell with a name.
+    pub terminal: u32,
+    /// Cells that were not followed although their sisters were: each counts as one terminal cell.
+    pub not_followed: Vec<String>,
+}
+
 impl TrackedLineage {
     /// Rounds of these founders, and the reason for each founder without rounds. A founder that divided before the recording began has
-    /// its daughters' rounds and one more. Of several cells of one name the first is used.
-    pub fn rounds(&self, founders: &[&str], names: &Names) -> (Vec<TrackedRounds>, Vec<Absent>) {
-        let known = self.counts_by_name(names);
-        let (mut found, mut absent) = (Vec::new(), Vec::new());
+    /// its daughters' rounds and one more. A daughter that was not followed counts as a terminal cell if her sister was followed: the
+    /// division was seen, and she may have divided further. Of several cells of one name the first is used.
+    pub fn rounds(&self, founders: &[&str], names: &Names) -> FollowedRounds {
+        let Counted { known, lost } = self.counted(names);
+        let mut found = FollowedRounds::default();
         for founder in founders {
             let cell = (*founder).to_owned();
             if let Some(DivisionCounts { terminal, sum, min, max }) = known.get(*founder).copied() {
                 let mean = sum as f64 / f64::from(terminal);
-                found.push(TrackedRounds { cell, terminal, min, mean, max });
+                found.founders.push(TrackedRounds { cell, terminal, min, mean, max });
                 continue;
             }
             let mut daughters: Vec<&String> =
@@ -52,35 +66,62 @@ impl TrackedLineage {
                 Some(only) => format!("it was not followed, and of its daughters only {only}"),
                 None => "neither it nor its daughters were followed".to_owned(),
             };
-            absent.push(Absent { founder: cell, why });
+            found.absent.push(Absent { founder: cell, why });
         }
-        (found, absent)
+        let (tops, below_them) = self.tops(names, &known);
+        found.terminal = tops.iter().filter_map(|top| known.get(top)).map(|counts| counts.terminal).sum();
+        found.not_followed = lost.into_iter().filter(|(cell, _)| below_them[*cell]).map(|(_, name)| name).collect();
+        found
     }
 
-    /// Divisions below the cells of each name. A mother that was not followed is added if both daughters are known.
-    fn counts_by_name(&self, names: &Names) -> HashMap<String, DivisionCounts> {
-        let below = self.division_counts();
-        let mut known = HashMap::new();
-        for (cell, below) in self.cells.iter().zip(below) {
-            known.entry(cell.name.clone()).or_insert(below);
+    /// The names of which all other cells with a name are descendants, and for each cell whether it is one of theirs.
+    fn tops(&self, names: &Names, known: &HashMap<String, DivisionCounts>) -> (BTreeSet<String>, Vec<bool>) {
+        let (mut tops, mut below_them) = (BTreeSet::new(), Vec::with_capacity(self.cells.len()));
+        for cell in &self.cells {
+            let is_below = cell.mother.is_some_and(|mother| below_them[mother]);
+            let is_named = names.is_cell(&cell.name);
+            if is_named && !is_below {
+                let mothers = std::iter::successors(Some(cell.name.as_str()), |name| {
+                    names.birth(name).map(|(mother, ..)| mother).filter(|mother| known.contains_key(*mother))
+                });
+                tops.extend(mothers.last().map(str::to_owned));
+            }
+            below_them.push(is_below || is_named);
         }
-        let mut waiting: Vec<String> =
-            self.cells.iter().filter(|cell| cell.mother.is_none()).map(|cell| cell.name.clone()).collect();
-        while let Some(cell) = waiting.pop() {
-            let Some((mother, sister, _)) = names.birth(&cell) else { continue };
-            if let (None, Some(a), Some(b)) = (known.get(mother), known.get(&cell), known.get(&sister)) {
-                let both = a.merged(*b).of_mother();
-                known.insert(mother.to_owned(), both);
-                waiting.push(mother.to_owned());
+        (tops, below_them)
+    }
+
+    /// Divisions below the cells of each name. A mother that was not followed is added if both daughters are known. Cells whose mothers
+    /// are not known are found by their names.
+    fn counted(&self, names: &Names) -> Counted {
+        let mut below = vec![DivisionCounts::ONE; self.cells.len()];
+        let (mut known, mut lost, mut orphans) = (HashMap::new(), Vec::new(), Orphans::new());
+        // Daughters come after their mothers.
+        for (index, cell) in self.cells.iter().enumerate().rev() {
+            let mut daughters: Vec<(&str, DivisionCounts)> =
+                cell.daughters.iter().map(|daughter| (self.cells[*daughter].name.as_str(), below[*daughter])).collect();
+            for (name, counts) in orphans.get(&cell.name).into_iter().flatten() {
+                if daughters.len() < 2 && daughters.iter().all(|(daughter, _)| daughter != name) {
+                    daughters.push((name, *counts));
+                }
+            }
+            if let [(only, _)] = daughters[..] {
+                let sister = names.birth(only).filter(|(mother, ..)| *mother == cell.name).map(|(_, sister, _)| sister);
+                lost.push((index, sister.unwrap_or_else(|| format!("the sister of {only}"))));
+                daughters.push(("", DivisionCounts::ONE));
+            }
+            let both = daughters.into_iter().map(|(_, counts)| counts).reduce(DivisionCounts::merged);
+            below[index] = both.map_or(DivisionCounts::ONE, DivisionCounts::of_mother);
+            // The first cell of a name comes last.
+            known.insert(cell.name.clone(), below[index]);
+            if cell.mother.is_none() {
+                add_orphan(&mut orphans, &mut known, (cell.name.clone(), below[index]), names);
             }
         }
-        known
-    }
-
-    /// Cells that were not seen to divide, with a name.
-    pub fn terminal(&self, names: &Names) -> u32 {
-        let is_last = |cell: &&TrackedCell| cell.daughters.is_empty() && names.is_cell(&cell.name);
-        self.cells.iter().filter(is_last).count() as u32
+        let is_followed: HashSet<&str> = self.cells.iter().map(|cell| cell.name.as_str()).collect();
+        lost.retain(|(_, name)| !is_followed.contains(name.as_str()));
+        lost.reverse();
+        Counted { known, lost }
     }
 
     /// What could not be used, the cells without a name, and the cells with a name that another one has: the first of them, and how many
@@ -100,16 +141,31 @@ impl TrackedLineage {
         }
         (skipped, count)
     }
+}
 
-    /// Divisions below every cell; daughters come after their mothers.
-    fn division_counts(&self) -> Vec<DivisionCounts> {
-        let mut below = vec![DivisionCounts { terminal: 1, sum: 0, min: 0, max: 0 }; self.cells.len()];
-        for (index, cell) in self.cells.iter().enumerate().rev() {
-            let daughters = cell.daughters.iter().map(|daughter| below[*daughter]);
-            let Some(both) = daughters.reduce(DivisionCounts::merged) else { continue };
-            below[index] = both.of_mother();
-        }
-        below
+/// Divisions below the cells of each name, and the names of the cells that were not followed, with the places of their mothers.
+struct Counted {
+    known: HashMap<String, DivisionCounts>,
+    lost: Vec<(usize, String)>,
+}
+
+/// Cells without a known mother, under her name.
+type Orphans = HashMap<String, BTreeMap<String, DivisionCounts>>;
+
+/// Adds a cell without a known mother. If its sister is one too, their mother is added, and so on.
+fn add_orphan(
+    orphans: &mut Orphans,
+    known: &mut HashMap<String, DivisionCounts>,
+    (mut cell, mut counts): (String, DivisionCounts),
+    names: &Names,
+) {
+    while let Some((mother, sister, _)) = names.birth(&cell) {
+        let (mother, sisters) = (mother.to_owned(), orphans.entry(mother.to_owned()).or_default());
+        sisters.insert(cell, counts);
+        let Some(other) = sisters.get(&sister) else { return };
+        counts = counts.merged(*other).of_mother();
+        known.insert(mother.clone(), counts);
+        cell = mother;
     }
 }
 
@@ -123,6 +179,9 @@ struct DivisionCounts {
 }
 
 impl DivisionCounts {
+    /// Of a cell that was not seen to divide.
+    const ONE: DivisionCounts = DivisionCounts { terminal: 1, sum: 0, min: 0, max: 0 };
+
     /// The counts of two sisters together, from each of them.
     fn merged(self, other: DivisionCounts) -> DivisionCounts {
         DivisionCounts {

@@ -92,7 +92,7 @@ pub(super) fn read(path: &Path, format: Format, options: &TrackOptions) -> Resul
     read_links(&mut spots, &ids, &links, &layout)?;
     // Single spots of TrackMate are outside its tracks. Mastodon has no other cells than its spots.
     if format == Format::TrackMate {
-        spots.leave_out_unlinked(&file);
+        spots.leave_out_unlinked(&file, &links);
     }
     spots.lineage(embryo_of(path), format, time, unit)
 }

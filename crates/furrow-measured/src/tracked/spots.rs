@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
+use std::path::Path;
 
 use furrow_input::InputError;
 use ordered_float::OrderedFloat;
@@ -233,13 +234,14 @@ impl Spots {
         Ok(())
     }
 
-    /// Leaves out the spots that no link names: they belong to no track.
-    pub fn leave_out_unlinked(&mut self, file: &str) {
+    /// Leaves out the spots that no link of a file names: they belong to no track.
+    pub fn leave_out_unlinked(&mut self, file: &str, links: &Path) {
         self.left_out = (0..self.spots.len()).filter(|spot| !self.linked.contains(spot)).collect();
-        let (count, line) = (self.left_out.len(), self.left_out.iter().map(|spot| self.spots[*spot].line).min());
-        if let Some(line) = line {
-            self.skip(file, line, "ID", &count.to_string(), "spots that belong to no track; the first is on this line");
-        }
+        let Some(first) = self.left_out.iter().min().map(|first| &self.spots[*first]) else { return };
+        let (line, id) = (first.line, first.id.map_or(String::new(), |id| id.to_string()));
+        let (links, count) = (links.file_name().unwrap_or_default().to_string_lossy(), self.left_out.len());
+        let why = format!("no link of {links} names it, so that it belongs to no track; there are {count} such spots");
+        self.skip(file, line, "ID", &id, why);
     }
 
     /// A spot in a message.

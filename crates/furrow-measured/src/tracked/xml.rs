@@ -116,15 +116,11 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
         places.insert(*id, spot);
     }
     document.link(&tracks, |id| first.contains_key(&id), &places, &mut spots, &file)?;
-    let left = document.spots.iter().filter(|spot| !tracked.contains(&spot.id)).count();
-    if left > 0 {
-        spots.skip(
-            &file,
-            0,
-            "Spot",
-            &left.to_string(),
-            "spots that belong to no track, or to one that was filtered out",
-        );
+    let mut left = document.spots.iter().filter(|spot| !tracked.contains(&spot.id)).peekable();
+    if let Some((id, line)) = left.peek().map(|spot| (spot.id, spot.line)) {
+        let count = left.count();
+        let why = format!("it belongs to no track, or to one that was filtered out; there are {count} such spots");
+        spots.skip(&file, line, "Spot", &id.to_string(), why);
     }
     spots.lineage(embryo_of(path), Format::TrackMateXml, time_unit, unit_of_spheres(length, options))
 }

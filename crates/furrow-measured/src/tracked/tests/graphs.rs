@@ -114,7 +114,10 @@ fn single_spots_push_out_no_cell() {
     let stray = "AB,30,,1,1,1,1,60,1,9,1\n,31,,1,1,1,1,60,1,9,1\n";
     let lineage = of_trackmate(&(TRACKMATE_SPOTS.to_owned() + stray), &trackmate_edges(&EDGES));
     assert_eq!(lives(&lineage), LIVES);
-    assert_eq!(reports(&lineage), ["15 ID 2: spots that belong to no track; the first is on this line"]);
+    assert_eq!(
+        reports(&lineage),
+        ["15 ID 30: no link of film_edges.csv names it, so that it belongs to no track; there are 2 such spots"]
+    );
     assert_eq!((lineage.place_of("30"), lineage.place_of("AB")), (Place::Nowhere, Place::Cell(1)));
 
     let spots = "Label,ID,Spot frame\nAB,9,0\nABa,8,0\nP0,1,1\nAB,2,2\nP1,3,2\nAB,4,3\n";

@@ -88,9 +88,10 @@ fn names_come_before_links_that_contradict_them() {
     let why = "a link makes it a daughter of AB (line 3), and by its name it has the mother P1: names are used";
     assert_eq!(reports(&lineage), [format!("10 name EMS: {why}"), format!("11 name P2: {why}")]);
     let names = Names::default();
-    let rounds = lineage.rounds(&["P0", "AB", "P1"], &names).0;
+    let found = lineage.rounds(&["P0", "AB", "P1"], &names);
+    let rounds = found.founders;
     assert_eq!(rounds, [rounds_of("P0", 4, 2, 2.0, 2), rounds_of("AB", 2, 1, 1.0, 1), rounds_of("P1", 2, 1, 1.0, 1)]);
-    assert_eq!(lineage.terminal(&names), 4);
+    assert_eq!(found.terminal, 4);
 }
 
 /// A name that skips a generation is no daughter, and the cell before it was not seen to divide.

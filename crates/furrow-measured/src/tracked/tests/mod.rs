@@ -355,7 +355,8 @@ fn rounds_of_mothers_that_were_not_followed_come_from_their_daughters() {
     let first: String = rows.iter().map(|row| row.replacen(&row[..6], &format!("{},1,-1,", &row[..1]), 1)).collect();
     let folder = nuclei(&[&first, last]);
     let lineage = tracked(folder.path());
-    let (found, absent) = lineage.rounds(&["P0", "AB", "P1", "EMS", "P2", "MS", "E", "C"], &Names::default());
+    let FollowedRounds { founders: found, absent, terminal, not_followed } =
+        lineage.rounds(&["P0", "AB", "P1", "EMS", "P2", "MS", "E", "C"], &Names::default());
     let expected = [
         rounds_of("AB", 3, 1, 5.0 / 3.0, 2),
         rounds_of("EMS", 2, 1, 1.0, 1),
@@ -363,6 +364,7 @@ fn rounds_of_mothers_that_were_not_followed_come_from_their_daughters() {
         rounds_of("E", 1, 0, 0.0, 0),
     ];
     assert_eq!(found, expected, "{:?}", lineage.skipped);
+    assert_eq!((terminal, not_followed.len()), (5, 0));
     let why: Vec<String> = absent.iter().map(|absent| format!("{}: {}", absent.founder, absent.why)).collect();
     let neither = "neither it nor its daughters were followed";
     assert_eq!(
@@ -465,10 +467,37 @@ fn one_sided_successors_are_reported() {
 fn rounds_count_divisions_to_the_last_cells() {
     let folder = nuclei(&NUCLEI);
     let lineage = tracked(folder.path());
-    let (found, absent) = lineage.rounds(&["P0", "E", "AB", "P1"], &Names::default());
+    let FollowedRounds { founders: found, absent, terminal, .. } =
+        lineage.rounds(&["P0", "E", "AB", "P1"], &Names::default());
     let expected = [rounds_of("P0", 3, 1, 5.0 / 3.0, 2), rounds_of("AB", 2, 1, 1.0, 1), rounds_of("P1", 1, 0, 0.0, 0)];
-    assert_eq!((found, lineage.terminal(&Names::default())), (expected.to_vec(), 3));
+    assert_eq!((found, terminal), (expected.to_vec(), 3));
     assert_eq!((absent.len(), absent[0].why.as_str()), (1, "neither it nor its daughters were followed"));
+}
+
+/// A sister that was not followed is a terminal cell at least, of which it is said that she was not followed. Daughters of a cell that was
+/// not followed belong to it by their names, and cells without a name below one with a name are cells of the embryo.
+#[test]
+fn sisters_that_were_not_followed_count_as_terminal_cells() {
+    let rounds = |cells: &[(&str, u32, u32)]| {
+        let rows =
+            cells.iter().flat_map(|(cell, from, to)| (*from..=*to).map(move |time| format!("{cell},{time},9\n")));
+        let (_folder, path) = file("CDm.csv", format!("cell,time,size,cellTime\n{}", rows.collect::<String>()));
+        tracked(&path).rounds(&["P0", "AB", "P1"], &Names::default())
+    };
+    let shared = [("P0", 1, 3), ("AB", 4, 8), ("P1", 4, 9)];
+    let with = |more: &[(&str, u32, u32)]| rounds(&[&shared[..], more].concat());
+    for (more, terminal, ab, lost) in [
+        (&[("ABa", 9, 12)][..], 3, rounds_of("AB", 2, 1, 1.0, 1), &["ABp"][..]),
+        (&[("ABa", 9, 10), ("ABp", 9, 10), ("ABal", 11, 12)], 4, rounds_of("AB", 3, 1, 5.0 / 3.0, 2), &["ABar"]),
+        // ABp is missing, and her daughters are not.
+        (&[("ABa", 9, 12), ("ABpl", 11, 12), ("ABpr", 11, 12)], 4, rounds_of("AB", 3, 1, 5.0 / 3.0, 2), &[]),
+        (&[("ABal", 11, 12), ("ABar", 11, 12)], 4, rounds_of("AB", 3, 1, 5.0 / 3.0, 2), &["ABp"]),
+    ] {
+        let found = with(more);
+        assert_eq!((found.terminal, &found.founders[1]), (terminal, &ab), "{more:?}");
+        assert_eq!(found.not_followed, lost, "{more:?}");
+        assert_eq!(found.founders[0].terminal, terminal, "{more:?}");
+    }
 }
 
 #[test]

@@ -71,7 +71,10 @@ fn the_file_of_trackmate_has_the_units_and_the_tracks_that_are_kept() {
     );
     assert!((lineage.cells[0].volume.unwrap() - sphere(40.0)).abs() < 1e-9);
     assert_eq!(lineage.cells[0].place.1, 7);
-    assert_eq!(reports(&lineage), ["0 Spot 3: spots that belong to no track, or to one that was filtered out"]);
+    assert_eq!(
+        reports(&lineage),
+        ["31 Spot 900: it belongs to no track, or to one that was filtered out; there are 3 such spots"]
+    );
     // Where the system's encoding is Windows-1252, TrackMate writes it under the heading of UTF-8.
     let text = xml("spatialunits=\"µm\" timeunits=\"sec\"");
     for bytes in [text.chars().map(|c| c as u8).collect::<Vec<u8>>(), [b"\xef\xbb\xbf", text.as_bytes()].concat()] {
