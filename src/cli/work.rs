@@ -1,4 +1,4 @@
-//! Messages of -v about what a command computes: its settings, its divisions, and in the end the work.
+//! Messages of -v: the settings of a command, its divisions, and the work at its end.
 
 use std::cell::Cell;
 use std::fmt::Write;
@@ -24,7 +24,7 @@ thread_local! {
     static BEGUN: Cell<Option<Instant>> = const { Cell::new(None) };
 }
 
-/// Says which settings a command has.
+/// Prints the settings of a command.
 pub fn settings(context: &Context) {
     let Globals { preset, config, law, set, .. } = &context.globals;
     let files = [("--config", config), ("--law", law)];
@@ -45,7 +45,7 @@ pub fn settings(context: &Context) {
     );
 }
 
-/// A memo that tells of its divisions, if messages about them are printed. `cache` is its folder, if there is one.
+/// The memo, which reports its divisions if -v is given. `cache` is the folder of its store.
 pub fn watched(memo: Memo, cache: Option<&std::path::Path>) -> Memo {
     if !messages::is_printed(Level::Info) {
         return memo;
@@ -70,7 +70,7 @@ fn note(key: &Key, noted: Noted<'_>) {
     }
 }
 
-/// Says what became of a division.
+/// Prints the result of a requested division.
 fn tell(key: &Key, noted: Noted<'_>) {
     let key: String = key.as_bytes()[..6].iter().fold(String::new(), |mut text, byte| {
         let _ = write!(text, "{byte:02x}");
@@ -100,7 +100,7 @@ fn found(division: &Division) -> String {
     format!("{}{chi}", division.outcome())
 }
 
-/// Says what a command has done since its start.
+/// Prints the time since the start of the command and the number of divisions.
 pub fn report(start: Instant) {
     let seconds = start.elapsed().as_secs_f64();
     let Some(cache) = CACHE.get() else {

@@ -120,7 +120,7 @@ impl Multipliers {
 
     /// Of the transitions over the intervals of an orbit from the first to the last, each n × n, row-major. Multipliers of very
     /// different sizes are found side by side. Their errors are rounding errors times the growth of disturbances along the orbit, so that
-    /// none may be accurate next to a homoclinic orbit. Multipliers above 1e100 are given as 1e100.
+    /// none may be accurate next to a homoclinic orbit. Multipliers are at most 1e100.
     ///
     /// # Errors
     /// [`NoMultipliers`].

@@ -30,10 +30,10 @@ pub struct Memo {
     observer: Option<Observer>,
 }
 
-/// Is told what becomes of every requested division, on any thread.
+/// Called for every requested division, on any thread.
 pub type Observer = fn(&Key, Noted<'_>);
 
-/// What becomes of a requested division.
+/// The state of a requested division.
 #[derive(Clone, Copy, Debug)]
 pub enum Noted<'a> {
     /// It is known.

@@ -35,7 +35,7 @@ pub struct Matching {
     roots: Vec<Root>,
     /// What errors call the roots.
     source: String,
-    /// The first embryo of which something could not be used, as errors tell: a cell that is missing may have been in it.
+    /// The first value that could not be used, for errors: a missing cell may have been there.
     skipped: OnceLock<String>,
 }
 

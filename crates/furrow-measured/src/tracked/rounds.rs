@@ -74,7 +74,8 @@ impl TrackedLineage {
         found
     }
 
-    /// The names of which all other cells with a name are descendants, and for each cell whether it is one of theirs.
+    /// The topmost names, from which all other cells with a name descend, and for each cell whether it has a name or descends from one
+    /// that has.
     fn tops(&self, names: &Names, known: &HashMap<String, DivisionCounts>) -> (BTreeSet<String>, Vec<bool>) {
         let (mut tops, mut below_them) = (BTreeSet::new(), Vec::with_capacity(self.cells.len()));
         for cell in &self.cells {
@@ -91,7 +92,7 @@ impl TrackedLineage {
         (tops, below_them)
     }
 
-    /// Divisions below the cells of each name. A mother that was not followed is added if both daughters are known. Cells whose mothers
+    /// Divisions below the cells of each name. A mother that was not followed is added if both her daughters are known. Cells whose mothers
     /// are not known are found by their names.
     fn counted(&self, names: &Names) -> Counted {
         let mut below = vec![DivisionCounts::ONE; self.cells.len()];

@@ -474,8 +474,8 @@ fn rounds_count_divisions_to_the_last_cells() {
     assert_eq!((absent.len(), absent[0].why.as_str()), (1, "neither it nor its daughters were followed"));
 }
 
-/// A sister that was not followed is a terminal cell at least, of which it is said that she was not followed. Daughters of a cell that was
-/// not followed belong to it by their names, and cells without a name below one with a name are cells of the embryo.
+/// A sister that was not followed counts as one terminal cell, or as her own daughters if these were followed, and is reported. Cells
+/// without a name count if they descend from a cell with a name.
 #[test]
 fn sisters_that_were_not_followed_count_as_terminal_cells() {
     let rounds = |cells: &[(&str, u32, u32)]| {
