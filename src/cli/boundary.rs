@@ -120,34 +120,28 @@ fn list(named: &[(String, CurvePoint)], units: &Units) -> String {
 
 /// The two ends of every curve, and its special points.
 fn text(found: &BoundaryStudy, units: &Units) -> String {
-    let ends = |name: &str, curve: &Curve| {
+    // Where two pitchforks meet there is no cusp.
+    let ends = |name: &str, curve: &Curve, turned: &str| {
         let (Some(first), Some(last)) = (curve.points.first(), curve.points.last()) else { return String::new() };
         let how = match &curve.ended {
             CurveEnd::Reached => String::new(),
-            ended => format!("; {} at {:.6}", end_name(name, ended), curve.cusp().unwrap_or(*last).value),
+            CurveEnd::Cusp(point) => format!("; {turned} at {:.6}", point.value),
+            ended => format!("; {} at {:.6}", ended.name(), last.value),
         };
         format!("{}{}  in {} points{how}\n", line(name, first, units), line("  to", last, units), curve.points.len())
     };
-    let pitchforks = found.pitchfork_names().map(|(name, curve)| ends(&name, curve));
-    let folds = found.folds.iter().enumerate().map(|(k, fold)| ends(&format!("fold {k}"), fold));
+    let pitchforks = found.pitchfork_names().map(|(name, curve)| ends(&name, curve, "turns back"));
+    let folds = found.folds.iter().enumerate().map(|(k, fold)| ends(&format!("fold {k}"), fold, "cusp"));
     let listed = ["degenerate", "bent degenerate", "cusp", "critical"];
     let events = found.named().into_iter().filter(|(name, _)| listed.contains(&name.as_str()));
     let events = events.map(|(name, point)| line(&name, &point, units));
-    let azimuthal = found.azimuthal.iter().flatten().map(|(m, curve)| ends(&format!("m = {m}"), curve));
-    let bent = found.bent.iter().flatten().map(|(name, curve)| ends(&format!("bent {name}"), curve));
+    let azimuthal = found.azimuthal.iter().flatten().map(|(m, curve)| ends(&format!("m = {m}"), curve, "cusp"));
+    let bent = found.bent.iter().flatten().map(|(name, curve)| ends(&format!("bent {name}"), curve, "cusp"));
     let critical = found.bent_critical.map(|CurvePoint { r0, .. }| {
         format!("without axial symmetry cells below R0 = {r0:.5}{} come to rest bent\n", units.in_micrometres(r0))
     });
     let curves = pitchforks.chain(folds).chain(azimuthal).chain(bent).chain(events).chain(critical);
     std::iter::once(HEADING.to_owned()).chain(curves).collect()
-}
-
-/// The name of a curve's end. Where two pitchforks meet there is no cusp.
-fn end_name(curve: &str, end: &CurveEnd) -> &'static str {
-    match end {
-        CurveEnd::Cusp(_) if curve.starts_with("pitchfork") => "turns back",
-        end => end.name(),
-    }
 }
 
 fn line(name: &str, p: &CurvePoint, units: &Units) -> String {

@@ -108,7 +108,7 @@ struct Divisions {
 }
 
 impl Divisions {
-    /// Places the cue by the cell's PAR polarity. If the cell has none, the text says so, and beside JSON a warning.
+    /// Places the cue by the cell's PAR polarity. A warning replaces the text that JSON lacks if the cell has no polarity.
     fn resolve(&mut self, cell: &Cell, json: bool) {
         self.resolved = resolved_cue(cell);
         if json && self.resolved.as_ref().is_some_and(Cue::is_none) {

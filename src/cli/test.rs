@@ -232,8 +232,7 @@ fn observations(args: &TestArgs, files: &[EmbryoFile], lineage: &Lineage) -> Res
     }
     if !observations.pooled.is_empty() {
         let groups = observations.pooled.iter().map(|group| if group.is_empty() { "(none)" } else { group.as_str() });
-        let groups: Vec<&str> = groups.collect();
-        messages::warning!("the groups {} are taken together; --population selects one", groups.join(", "));
+        messages::warning!("the groups {} are taken together; --population selects one", listed(groups, ", "));
     }
     Ok(Observations { others: others(args, lineage)?, ..observations })
 }

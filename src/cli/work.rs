@@ -26,6 +26,9 @@ thread_local! {
 
 /// Prints the settings of a command.
 pub fn settings(context: &Context) {
+    if !messages::is_printed(Level::Info) {
+        return;
+    }
     let Globals { preset, config, law, set, .. } = &context.globals;
     let files = [("--config", config), ("--law", law)];
     let mut given: Vec<String> =

@@ -116,14 +116,14 @@ pub fn boundary(
         }
         found => found.transpose()?,
     };
-    if let Some(CurvePoint { value, .. }) = critical
-        && !(range[0].min(range[1])..=range[0].max(range[1])).contains(&value)
-    {
-        warnings.push(format!("the critical {parameter} = {value:.6} is outside the range"));
+    if let Some(point) = critical.filter(|point| !is_inside(range, point)) {
+        warnings.push(format!("the critical {parameter} = {:.6} is outside the range", point.value));
     }
     let BoundaryCurves { pitchforks, folds } = found;
     let symmetric = !pitchforks.is_empty();
-    warnings.extend(pitchforks.iter().filter_map(Curve::error).map(|error| format!("pitchforks: {error}")));
+    for (k, curve) in pitchforks.iter().enumerate() {
+        warnings.extend(curve.error().map(|error| format!("{} is followed no further: {error}", pitchfork_name(k))));
+    }
     for (k, fold) in folds.iter().enumerate() {
         match &fold.ended {
             CurveEnd::Stopped(error) => warnings.push(format!("fold {k} is followed no further: {error}")),
@@ -193,6 +193,16 @@ fn thresholds(
     found
 }
 
+/// Whether a point of a curve is in a range of the parameter.
+fn is_inside([from, to]: [f64; 2], point: &CurvePoint) -> bool {
+    (from.min(to)..=from.max(to)).contains(&point.value)
+}
+
+/// The name of a curve of pitchforks.
+fn pitchfork_name(k: usize) -> String {
+    if k == 0 { "pitchfork".to_owned() } else { format!("pitchfork {k}") }
+}
+
 /// Where the boundary lies at the cell's activity: where the curve over the range passes it, else it is searched for.
 /// Along R0 it is the critical radius of a tree, from wherever the range begins: a curve of folds that begins at the smallest radii
 /// may be another one. If this radius is outside the range, and the curve passes the activity inside it where ξ_s* rises with R0, this
@@ -201,20 +211,20 @@ fn critical_point(
     cell: &Cell,
     numerics: &Numerics,
     parameter: Parameter,
-    [from, to]: [f64; 2],
+    range: [f64; 2],
     curves: &BoundaryCurves,
     warnings: &mut Vec<String>,
 ) -> Result<CurvePoint, ShapeError> {
+    let [from, to] = range;
     let middle = [0.5 * (from + to), from, to];
     let over_r0 = parameter == Parameter::R0;
     let starts = if over_r0 { &critical::STARTS[..] } else { &middle };
     let search = || critical::critical_value(cell, numerics, parameter, starts, &StepBudget::unlimited());
     let same_fold = |(kind, _): &(BoundaryKind, CurvePoint)| !over_r0 || *kind == BoundaryKind::Pitchfork;
     let found = critical::value_on(curves, parameter).filter(same_fold).map_or_else(search, Ok);
-    let is_inside = |point: &CurvePoint| (from.min(to)..=from.max(to)).contains(&point.value);
     let rising = critical::passage(curves).filter(|(kind, point)| {
         let rises = *kind == BoundaryKind::Pitchfork && point.slope > 0.0;
-        over_r0 && rises && !found.as_ref().is_ok_and(|(_, found)| is_inside(found))
+        over_r0 && rises && !found.as_ref().is_ok_and(|(_, found)| is_inside(range, found))
     });
     if let Some((_, point)) = rising {
         let r0 = point.value;
@@ -310,15 +320,13 @@ impl BoundaryStudy {
 
     /// Where criticality changes along curves of pitchforks, in the range.
     fn degenerate(&self) -> Vec<CurvePoint> {
-        let [from, to] = self.range;
-        let is_inside = |point: &CurvePoint| (from.min(to)..=from.max(to)).contains(&point.value);
-        self.pitchforks.iter().flat_map(degenerate).filter(is_inside).collect()
+        let found = self.pitchforks.iter().flat_map(degenerate);
+        found.filter(|point| is_inside(self.range, point)).collect()
     }
 
     /// The names of the curves of pitchforks.
     pub fn pitchfork_names(&self) -> impl Iterator<Item = (String, &Curve)> {
-        let name = |k: usize| if k == 0 { "pitchfork".to_owned() } else { format!("pitchfork {k}") };
-        self.pitchforks.iter().enumerate().map(move |(k, curve)| (name(k), curve))
+        self.pitchforks.iter().enumerate().map(|(k, curve)| (pitchfork_name(k), curve))
     }
 
     fn bent_degenerate(&self) -> Vec<CurvePoint> {

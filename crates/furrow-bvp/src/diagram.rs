@@ -104,7 +104,7 @@ pub enum BranchEnd {
     Followed(Termination),
     /// At a special point, from where another branch has gone on.
     Joined(usize),
-    /// At its own start: it is closed. Cycles that come back with another phase are not seen to.
+    /// At its own start: it is closed. A branch of cycles that returns with another phase is not recognised as closed.
     Closed,
     /// It was lost, for this reason.
     Lost(String),

@@ -45,7 +45,8 @@ impl Lineage {
 
 impl Tree {
     /// Doubts about the tree: cells that are undecided, cells that die according to the lineage but are not born, a law that names
-    /// a regulator which cells lack, a cue that does not act, a larger daughter that is the smaller one, and an origin of the clock that does not take place.
+    /// a regulator which cells lack, a cue that does not act, a larger daughter that is the smaller one, and an origin of the clock that
+    /// does not take place.
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = self.undecided();
         let born = |pattern: &&String| self.cells().any(|id| matches(pattern, &self.cell(id).name));

@@ -234,7 +234,7 @@ pub fn passage(curves: &BoundaryCurves) -> Option<(BoundaryKind, CurvePoint)> {
     let (kind, curve) = match &curves.pitchforks[..] {
         [curve] => (BoundaryKind::Pitchfork, curve),
         [] => (BoundaryKind::CuedFold, curves.folds.first()?),
-        // Only parts of them are of first pitchforks.
+        // Each has first pitchforks on only a part of it.
         _ => return None,
     };
     curve.at_activity.map(|point| (kind, point))

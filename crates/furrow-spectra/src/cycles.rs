@@ -1,8 +1,8 @@
 //! Where cycles on a branch change their stability: folds, period doublings and tori, and the cycles of twice the period.
 //!
-//! A fold is one of the branch and is found as such. Period doublings and tori show in the multipliers at both ends of a step, where these are accurate. Between
-//! them the test function of [`CycleBifurcation`] is a smooth function of the arclength with a simple root, and the orbit at every
-//! arclength that is tried is corrected onto the branch.
+//! A fold is one of the branch and is found as such. Period doublings and tori show in the multipliers at both ends of a step, where
+//! these are accurate. Between them the test function of [`CycleBifurcation`] is a smooth function of the arclength with a simple root,
+//! and the orbit at every arclength that is tried is corrected onto the branch.
 
 use furrow_bvp::continuation::{Advance, State, predictor::History};
 use furrow_bvp::{
@@ -213,7 +213,7 @@ fn is_clear(point: &CyclePoint) -> bool {
     others.iter().any(|m| off(m) < NEAR) && (trivial - 1.0).norm_sqr().sqrt() < NEAR
 }
 
-/// The root of the test between the last two orbits, where it has these values. None for a neutral saddle, and for multipliers at 1.
+/// The root of the test between the last two orbits, where it has these values; `None` for a neutral saddle, and for multipliers at 1.
 fn located<V: VectorField>(
     branch: &mut CycleBranch<V>,
     bifurcation: CycleBifurcation,

@@ -55,7 +55,7 @@ const ITERATIONS: usize = 60;
 /// Entries that count as 0 in QR iterations, in rounding errors: next to many equal eigenvalues some never become smaller.
 const ZEROS: [f64; 3] = [1.0, 1e2, 1e4];
 
-/// The eigenvalues of a square matrix; None if QR iterations do not converge.
+/// The eigenvalues of a square matrix; `None` if QR iterations do not converge.
 pub(crate) fn eigenvalues(matrix: &DMatrix<f64>) -> Option<DVector<Complex<f64>>> {
     let most = ITERATIONS * matrix.nrows();
     let schur = |zero: &f64| Schur::try_new(matrix.clone(), zero * f64::EPSILON, most);
@@ -119,8 +119,8 @@ impl Multipliers {
     }
 
     /// Of the transitions over the intervals of an orbit from the first to the last, each n × n, row-major. Multipliers of very
-    /// different sizes are found side by side. Their errors are rounding errors times the growth of disturbances along the orbit, so that
-    /// none may be accurate next to a homoclinic orbit. Multipliers are at most 1e100.
+    /// different sizes are found side by side. Their errors are rounding errors times the growth of disturbances along the orbit, and may
+    /// be larger than the multipliers next to a homoclinic orbit. Multipliers are at most 1e100.
     ///
     /// # Errors
     /// [`NoMultipliers`].

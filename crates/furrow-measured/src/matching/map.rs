@@ -130,8 +130,8 @@ impl NameMap {
         }
     }
 
-    /// Requires that all cells were met. Cells of embryos that no table has are not required.
-    /// The error about a missing cell ends with `after`.
+    /// Requires that all cells were met. Cells of embryos that no table has are not required. The error about a missing cell ends with
+    /// `after`.
     pub(super) fn require_met(&self, after: &str) -> Result<(), InputError> {
         let is_met = |met: &AtomicBool| met.load(Ordering::Relaxed);
         let of_read = |row: &&MapRow| row.embryo.is_empty() || self.embryos.get(&row.embryo).is_some_and(is_met);

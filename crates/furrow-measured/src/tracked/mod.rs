@@ -185,11 +185,11 @@ pub(crate) enum Place {
 }
 
 impl TrackedLineage {
-    /// The same cells without sizes, for the reason in a report.
-    fn without_sizes(mut self, report: Skipped) -> TrackedLineage {
+    /// Leaves out all sizes, if a report says why they are unknown.
+    fn leave_out_sizes(&mut self, report: Option<Skipped>) {
+        let Some(report) = report else { return };
         self.cells.iter_mut().for_each(|cell| (cell.volume, cell.sizes) = (None, 0));
         self.unknown_sizes.get_or_insert(report);
-        self
     }
 
     /// The cell of this name, or with a spot of this name or id.

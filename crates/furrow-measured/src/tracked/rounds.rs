@@ -92,8 +92,8 @@ impl TrackedLineage {
         (tops, below_them)
     }
 
-    /// Divisions below the cells of each name. A mother that was not followed is added if both her daughters are known. Cells whose mothers
-    /// are not known are found by their names.
+    /// Divisions below the cells of each name. A mother who was not followed is added if both her daughters are known. A cell without a
+    /// known mother belongs to the mother that its name gives.
     fn counted(&self, names: &Names) -> Counted {
         let mut below = vec![DivisionCounts::ONE; self.cells.len()];
         let (mut known, mut lost, mut orphans) = (HashMap::new(), Vec::new(), Orphans::new());

@@ -293,7 +293,7 @@ impl Spots {
             counts[index] += 1;
             self.extend(&mut cells[index], spot);
         }
-        let unknown_sizes = self.leave_out_one_size(&mut cells, &of_spot);
+        let one_size = self.one_size(&cells, &of_spot);
         let places = namesakes::order(&cells, &counts);
         let of_spot: Vec<Option<usize>> = of_spot.into_iter().map(|cell| cell.map(|cell| places[cell])).collect();
         let cells = namesakes::moved(cells, &places);
@@ -314,8 +314,9 @@ impl Spots {
             spots: known,
             takes,
             frame: frames.shortest(),
-            unknown_sizes,
+            unknown_sizes: None,
         };
+        lineage.leave_out_sizes(one_size);
         // In a graph with a node for each cell, which furrow writes, times between nodes say nothing.
         let is_followed = counts.iter().any(|count| *count > 1);
         lineage.join_births(|last| if is_followed { frames.after(last) } else { f64::INFINITY });
@@ -332,9 +333,9 @@ impl Spots {
         InputError::other_file(file, &format!("{} with a cell that can be used", format.name()), reason)
     }
 
-    /// Leaves out all sizes where the spots of mothers and daughters have one and the same: a detector gives it to every spot, and it is
-    /// no measurement. Returns the report.
-    fn leave_out_one_size(&self, cells: &mut [TrackedCell], of_spot: &[Option<usize>]) -> Option<Skipped> {
+    /// A report if the spots of mothers and daughters have one and the same size: a detector gives it to every spot, and it is no
+    /// measurement.
+    fn one_size(&self, cells: &[TrackedCell], of_spot: &[Option<usize>]) -> Option<Skipped> {
         let is_sized = |cell: &TrackedCell| cell.sizes > 0;
         let is_daughter = |cell: &TrackedCell| cell.mother.is_some_and(|mother| is_sized(&cells[mother]));
         if !cells.iter().any(|cell| is_sized(cell) && is_daughter(cell)) {
@@ -346,7 +347,6 @@ impl Spots {
         if sized.iter().any(|(_, other)| (other - size).abs() > SAME_SIZE * size) {
             return None;
         }
-        cells.iter_mut().for_each(|cell| (cell.volume, cell.sizes) = (None, 0));
         Some(Skipped {
             file: self.files[first.file].clone(),
             line: first.line,

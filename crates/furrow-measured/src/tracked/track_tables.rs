@@ -251,11 +251,9 @@ pub(super) fn read(path: &Path, options: &TrackOptions) -> Result<TrackedLineage
     let only = if of_spots { Only::SameCell } else { Only::Daughter };
     chains::link(&mut spots, &mut chains, (&file, "t"), only)?;
     let time = if columns.minutes.is_some() { TimeUnit::Minutes } else { TimeUnit::Frames };
-    let lineage = spots.lineage(embryo_of(path), Format::Tracks, time, columns.unit)?;
-    Ok(match plane.report(&file) {
-        Some(report) => lineage.without_sizes(report),
-        None => lineage,
-    })
+    let mut lineage = spots.lineage(embryo_of(path), Format::Tracks, time, columns.unit)?;
+    lineage.leave_out_sizes(plane.report(&file));
+    Ok(lineage)
 }
 
 /// The plane z = 0, which films in two dimensions have in all rows: then areas are no volumes.

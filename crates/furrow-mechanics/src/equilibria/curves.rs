@@ -315,17 +315,20 @@ fn follow_pitchfork(
     found.iterations = curve.work.iterations;
     found.ended = match followed {
         Ok(()) => CurveEnd::Reached,
-        Err(_) if turned => {
-            if let Some(y) = curve.turning_point(SECOND) {
-                curve.solution = y;
-            }
-            CurveEnd::Cusp(curve_point(&curve, None))
-        }
+        Err(_) if turned => turned_back(&mut curve),
         Err(error) => CurveEnd::Stopped(lost(failure.map_or(error, CurveError::Start))),
     };
     let passed = passage.filter(|_| found.ended == CurveEnd::Reached).and_then(Passage::solve);
     found.at_activity = passed.and_then(|(mut curve, report)| Some(pitchfork_point(&mut curve, &report).ok()?.0));
     Ok(found)
+}
+
+/// The end of a curve that has just turned back in its parameter, located if possible.
+fn turned_back<S: Singularity<Cortex> + Clone>(curve: &mut Codim2Curve<Cortex, S>) -> CurveEnd {
+    if let Some(y) = curve.turning_point(SECOND) {
+        curve.solution = y;
+    }
+    CurveEnd::Cusp(curve_point(curve, None))
 }
 
 /// The curves through the first pitchforks at some values of a parameter, over a range of it. The first pitchfork may lie on several
@@ -404,12 +407,7 @@ pub(crate) fn follow_fold(curve: &mut FoldCurve, parameter: Parameter, to: f64, 
     });
     found.iterations = curve.work.iterations;
     found.ended = match followed {
-        Err(CurveError::NotReached { .. }) if cusp => {
-            if let Some(y) = curve.turning_point(SECOND) {
-                curve.solution = y;
-            }
-            CurveEnd::Cusp(curve_point(curve, None))
-        }
+        Err(CurveError::NotReached { .. }) if cusp => turned_back(curve),
         Err(CurveError::NotReached { .. }) if passive => {
             CurveEnd::Stopped(ShapeError::Inactive { kind: PointKind::Fold, parameter, value: to })
         }
